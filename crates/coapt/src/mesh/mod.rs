@@ -1,0 +1,1 @@
+//! Triangles, edges, loops, landmarks; the parametric valve.

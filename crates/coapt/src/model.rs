@@ -1,0 +1,97 @@
+//! Everything that stays constant while the valve relaxes.
+
+use crate::Vec3;
+use crate::energy::{bilinear_spring::Springs, chord::Chords};
+use crate::scene::{Contact, Settings};
+
+/// A valve ready to be closed. Vertices: leaflets first, then chord nodes, then papillary tips.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Name of the case.
+    pub name: String,
+    /// Open, unloaded positions [mm], shape `[vertex]`. Rest lengths and areas come from these.
+    pub rest_mm: Vec<Vec3>,
+    /// The first so many vertices belong to leaflets.
+    pub leaflet_vertex_count: usize,
+    /// Triangles, normals to the atrium, shape `[face]`.
+    pub faces: Vec<[u32; 3]>,
+    /// Which leaflet each face belongs to, shape `[face]`.
+    pub face_leaflet: Vec<u32>,
+    /// The leaflets.
+    pub leaflets: Vec<LeafletTissue>,
+    /// Leaflet springs.
+    pub springs: Springs,
+    /// Chordae.
+    pub chords: Chords,
+    /// Names of the chord groups.
+    pub chord_groups: Vec<String>,
+    /// Transvalvular pressure [MPa].
+    pub pressure_mpa: f64,
+    /// How leaflets touch.
+    pub contact: Contact,
+    /// Annulus vertices in order around the orifice, counter-clockwise seen from the atrium.
+    pub annulus: Vec<u32>,
+    /// Free margins: every other boundary loop or open boundary chain, in order.
+    pub margins: Vec<Margin>,
+    /// Papillary muscles.
+    pub papillary: Vec<Papillary>,
+    /// Where the landmarks lie on the annulus.
+    pub landmarks: AnnulusLandmarks,
+    /// Vertices that do not move freely and where they end up, in ascending order of vertex.
+    pub prescribed: Vec<Prescribed>,
+    /// How the equilibrium is sought.
+    pub settings: Settings,
+}
+
+/// What a report says of a leaflet's make.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeafletTissue {
+    /// Name.
+    pub name: String,
+    /// Thickness [mm].
+    pub thickness_mm: f64,
+}
+
+/// A boundary of the leaflets that is not annulus.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Margin {
+    /// Vertices in order.
+    pub vertices: Vec<u32>,
+    /// Whether the last vertex joins the first.
+    pub closed: bool,
+}
+
+/// A papillary muscle.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Papillary {
+    /// Name.
+    pub name: String,
+    /// Its tips, as vertices.
+    pub tips: Vec<u32>,
+}
+
+/// Landmarks as indices into [`Model::annulus`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AnnulusLandmarks {
+    /// Middle of the anterior annulus.
+    pub mid_anterior: usize,
+    /// Middle of the posterior annulus.
+    pub mid_posterior: usize,
+    /// Anterolateral commissure.
+    pub commissure_anterolateral: usize,
+    /// Posteromedial commissure.
+    pub commissure_posteromedial: usize,
+    /// Left trigone.
+    pub trigone_left: usize,
+    /// Right trigone.
+    pub trigone_right: usize,
+}
+
+/// A Dirichlet vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prescribed {
+    /// The vertex.
+    pub vertex: u32,
+    /// Where it stands when the valve is closed [mm].
+    pub target_mm: Vec3,
+}

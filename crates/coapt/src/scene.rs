@@ -1,0 +1,507 @@
+//! What a person writes: anatomy, tissue, load, contact. Plain data; every number carries its unit in its name.
+//!
+//! A scene may name mesh files. The library never opens them: `coapt-io` reads a scene and puts the geometry
+//! in the `mesh` fields. [`crate::model::Model::build`] then checks all of it and reports every fault it finds.
+
+use serde::{Deserialize, Serialize};
+
+/// The scene layout that this version reads and writes.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// A valve, open and unpressurised, and what is done to it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Layout of this file; this version reads 1.
+    pub schema_version: u32,
+    /// What the case is called in reports.
+    pub name: String,
+    /// The patient frame of all coordinates in this scene; Slicer's default is LPS.
+    #[serde(default)]
+    pub space: Space,
+    /// The leaflets. Points that several leaflets share are welded.
+    pub leaflets: Vec<Leaflet>,
+    /// Where the leaflets hinge, and how that moves from the open to the closed phase.
+    #[serde(default)]
+    pub annulus: Annulus,
+    /// The papillary muscles with the tips that chordae spring from.
+    #[serde(default)]
+    pub papillary: Vec<PapillaryMuscle>,
+    /// Groups of chordae, each with one tissue.
+    #[serde(default)]
+    pub chordae: Vec<ChordGroup>,
+    /// Peak systolic pressure.
+    pub load: Load,
+    /// How leaflets touch.
+    #[serde(default)]
+    pub contact: Contact,
+    /// Named points on the annulus; what is left out is found geometrically.
+    #[serde(default)]
+    pub landmarks: Landmarks,
+    /// How near points must be to count as one.
+    #[serde(default)]
+    pub weld: Weld,
+    /// How the equilibrium is sought.
+    #[serde(default)]
+    pub settings: Settings,
+}
+
+/// A patient coordinate frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Space {
+    /// x to the patient's left, y posterior, z superior (DICOM, Slicer files).
+    #[default]
+    LPS,
+    /// x to the patient's right, y anterior, z superior.
+    RAS,
+}
+
+/// One leaflet: its open shape, which is also its unloaded shape, and its tissue.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Leaflet {
+    /// Name in reports; `anterior` and `posterior` also orient the landmarks.
+    pub name: String,
+    /// Surface file (.vtk, .vtp, .ply, .stl, .obj), relative to the scene file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_file: Option<String>,
+    /// Take only the cells whose `leaflet` array has this value, for a file that holds several leaflets.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region: Option<i64>,
+    /// The surface itself, instead of a file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<SurfaceMesh>,
+    /// Tissue thickness [mm]; with the moduli it gives the membrane stiffness. 1 mm in papers 002 and 003.
+    #[serde(default = "default_thickness_mm")]
+    pub thickness_mm: f64,
+    /// The stress-strain law.
+    #[serde(default)]
+    pub tissue: Tissue,
+}
+
+fn default_thickness_mm() -> f64 {
+    1.0
+}
+
+/// A triangulated surface with what is known at its points.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceMesh {
+    /// Points of the open, unloaded surface [mm], shape `[point]`.
+    pub points_mm: Vec<[f64; 3]>,
+    /// Triangles as point numbers from 0, shape `[face]`.
+    pub faces: Vec<[u32; 3]>,
+    /// Points on the annulus, where the file marks them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub annulus_points: Option<Vec<u32>>,
+    /// Prescribed motion of annulus points from the open to the closed phase [mm], shape `[point]`;
+    /// other points' entries are ignored. Absent: the annulus stays.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub annulus_displacement_mm: Option<Vec<[f64; 3]>>,
+}
+
+/// A stress-strain law with its constants.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, tag = "law", rename_all = "kebab-case")]
+pub enum Tissue {
+    /// Isotropic network of edge springs, soft up to a transition strain and stiff beyond (paper 003).
+    BilinearSprings {
+        /// Modulus below the transition strain [MPa].
+        #[serde(default = "default_pre_transition_modulus_mpa")]
+        pre_transition_modulus_mpa: f64,
+        /// Strain at which the collagen takes over [mm/mm]; 0.25 in paper 003.
+        #[serde(default = "default_transition_strain")]
+        transition_strain: f64,
+        /// Modulus above the transition strain [MPa].
+        #[serde(default = "default_post_transition_modulus_mpa")]
+        post_transition_modulus_mpa: f64,
+        /// Modulus in compression over the pre-transition modulus [1].
+        #[serde(default = "default_compression_modulus_ratio")]
+        compression_modulus_ratio: f64,
+    },
+}
+
+/// Excised anterior leaflet, pre-transitional 0.06-0.09 MPa (Krishnamurthy 2009, abstract). Paper 003 prints
+/// no moduli; 0.08 lies within the measured range.
+fn default_pre_transition_modulus_mpa() -> f64 {
+    0.08
+}
+
+/// Paper 003, section 2.2.
+fn default_transition_strain() -> f64 {
+    0.25
+}
+
+/// Excised anterior leaflet, post-transitional 2-9 MPa (Krishnamurthy 2009, abstract); 4 is our choice in it.
+fn default_post_transition_modulus_mpa() -> f64 {
+    4.0
+}
+
+/// Our choice: the soft branch goes on into compression. Much softer and the margin crumples at mesh scale.
+fn default_compression_modulus_ratio() -> f64 {
+    1.0
+}
+
+impl Default for Tissue {
+    fn default() -> Self {
+        Self::BilinearSprings {
+            pre_transition_modulus_mpa: default_pre_transition_modulus_mpa(),
+            transition_strain: default_transition_strain(),
+            post_transition_modulus_mpa: default_post_transition_modulus_mpa(),
+            compression_modulus_ratio: default_compression_modulus_ratio(),
+        }
+    }
+}
+
+/// Which boundary points of the leaflets are annulus. The first of these that is given decides: points marked in
+/// the leaflet meshes, a curve, else the boundary loop that lies farthest from the papillary tips.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Annulus {
+    /// Annulus curve from a file: Slicer markups JSON or a polyline (.vtk, .vtp).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve_file: Option<String>,
+    /// Annulus curve as a closed polyline [mm], shape `[point]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve_mm: Option<Vec<[f64; 3]>>,
+    /// Boundary points this near the curve are annulus [mm].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve_tolerance_mm: Option<f64>,
+    /// Name of the leaflet files' point array that is non-zero on the annulus.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub marker_array: Option<String>,
+    /// Name of the leaflet files' point array with the annulus' prescribed motion [mm], 3 components.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement_array: Option<String>,
+}
+
+/// A papillary muscle: one or several tips.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PapillaryMuscle {
+    /// Name in reports, for example `anterolateral`.
+    pub name: String,
+    /// Tips in the open phase [mm], shape `[tip]`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tips_mm: Vec<[f64; 3]>,
+    /// Slicer markups JSON with the tips, instead of `tips_mm`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tips_file: Option<String>,
+    /// Prescribed motion of each tip to the closed phase [mm], shape `[tip]`; empty: the tips stay.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub displacements_mm: Vec<[f64; 3]>,
+}
+
+/// Chordae of one kind: tension-only rods. A chord may branch and may be a polyline of several segments.
+/// An end is welded to the papillary tip, the leaflet point or the other chord end that it lies on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ChordGroup {
+    /// Name in reports, for example `marginal`.
+    pub name: String,
+    /// File with line cells (.vtk, .vtp), relative to the scene file. Cell arrays `rest_length_mm` and
+    /// `area_mm2` are read where present.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_file: Option<String>,
+    /// The segments themselves, instead of a file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<LineMesh>,
+    /// Rod diameter [mm] where the mesh gives no areas; 1 mm in paper 003.
+    #[serde(default = "default_chord_diameter_mm")]
+    pub diameter_mm: f64,
+    /// Young's modulus in tension [MPa].
+    #[serde(default = "default_chord_modulus_mpa")]
+    pub modulus_mpa: f64,
+    /// Factor on all rest lengths [1]: below 1 shortens, above 1 elongates.
+    #[serde(default = "default_rest_length_scale")]
+    pub rest_length_scale: f64,
+}
+
+/// Paper 003, section 2.2.
+fn default_chord_diameter_mm() -> f64 {
+    1.0
+}
+
+/// Paper 003 prints none. Kunzelman & Cochran 1990 as quoted in paper 000: marginal 33, basal 21 MPa beyond
+/// the toe; 30 is our choice in that range.
+fn default_chord_modulus_mpa() -> f64 {
+    30.0
+}
+
+fn default_rest_length_scale() -> f64 {
+    1.0
+}
+
+/// Line segments with what is known of each.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct LineMesh {
+    /// Points in the open phase [mm], shape `[point]`.
+    pub points_mm: Vec<[f64; 3]>,
+    /// Segments as point numbers from 0, shape `[segment]`.
+    pub segments: Vec<[u32; 2]>,
+    /// Unloaded length of each segment [mm], shape `[segment]`; absent: its length in the open phase.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rest_length_mm: Option<Vec<f64>>,
+    /// Cross-section of each segment [mm²], shape `[segment]`; absent: from the group's diameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub area_mm2: Option<Vec<f64>>,
+}
+
+/// The transvalvular pressure at peak systole, in exactly one unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// Pressure [mmHg].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_mmhg: Option<f64>,
+    /// Pressure [kPa].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_kpa: Option<f64>,
+}
+
+/// One millimetre of mercury [MPa].
+pub const MMHG_MPA: f64 = 1.333_223_684e-4;
+
+impl Load {
+    /// A load of so many mmHg.
+    pub fn mmhg(pressure_mmhg: f64) -> Self {
+        Self {
+            pressure_mmhg: Some(pressure_mmhg),
+            pressure_kpa: None,
+        }
+    }
+
+    /// The pressure [MPa]; nothing unless exactly one unit is given.
+    pub fn pressure_mpa(&self) -> Option<f64> {
+        match (self.pressure_mmhg, self.pressure_kpa) {
+            (Some(mmhg), None) => Some(mmhg * MMHG_MPA),
+            (None, Some(kpa)) => Some(kpa * 1e-3),
+            _ => None,
+        }
+    }
+}
+
+/// How leaflets touch: a penalty that grows without bound as the mid-surfaces approach each other.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Contact {
+    /// Mid-surface distance at which contact begins [mm].
+    pub thickness_mm: f64,
+    /// Scale of the contact pressure [MPa]; see [`crate::contact`] for the law.
+    pub stiffness_mpa: f64,
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        // Both our choice. Thinner contact needs smaller steps, thicker contact hides short coaptation.
+        // At 2 MPa and 100 mmHg the leaflets come to rest at about 95 % of the thickness; softer lets them sink
+        // in, stiffer worsens the conditioning.
+        Self {
+            thickness_mm: 0.5,
+            stiffness_mpa: 2.0,
+        }
+    }
+}
+
+/// Named points on the annulus [mm].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Landmarks {
+    /// Middle of the anterior annulus (A2 hinge).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mid_anterior_mm: Option<[f64; 3]>,
+    /// Middle of the posterior annulus (P2 hinge).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mid_posterior_mm: Option<[f64; 3]>,
+    /// Anterolateral commissure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub commissure_anterolateral_mm: Option<[f64; 3]>,
+    /// Posteromedial commissure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub commissure_posteromedial_mm: Option<[f64; 3]>,
+    /// Left (anterolateral side) fibrous trigone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trigone_left_mm: Option<[f64; 3]>,
+    /// Right (posteromedial side) fibrous trigone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trigone_right_mm: Option<[f64; 3]>,
+}
+
+/// How near points must be to count as one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Weld {
+    /// Leaflet points, branch nodes and papillary tips within this distance are one [mm].
+    pub tolerance_mm: f64,
+    /// A chord end within this distance of a leaflet point inserts there [mm].
+    pub insertion_tolerance_mm: f64,
+}
+
+impl Default for Weld {
+    fn default() -> Self {
+        // Our choice: a hundredth of a millimetre is below any imaging resolution and above the rounding of
+        // text files; insertion points are drawn by hand, to about half a mesh edge.
+        Self {
+            tolerance_mm: 0.01,
+            insertion_tolerance_mm: 1.0,
+        }
+    }
+}
+
+/// How the equilibrium is sought.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Settings {
+    /// Largest force left on a free vertex, over the mean nodal pressure force [1].
+    pub residual_tolerance: f64,
+    /// Give up after so many solver iterations, and say so.
+    pub iteration_limit: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        // 1e-3 already leaves position errors below 0.01 mm; three digits more are a few Newton steps and make
+        // force balances exact to 1e-6.
+        Self {
+            residual_tolerance: 1e-6,
+            iteration_limit: 2000,
+        }
+    }
+}
+
+/// A list of repairs, applied in order.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// Layout of this file; this version reads 1.
+    pub schema_version: u32,
+    /// What the plan is called in reports.
+    #[serde(default)]
+    pub name: String,
+    /// The repairs.
+    #[serde(default)]
+    pub repair: Vec<Repair>,
+}
+
+/// One surgical deed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, tag = "kind", rename_all = "kebab-case")]
+pub enum Repair {
+    /// Annuloplasty: the annulus is drawn onto a ring.
+    Ring(Ring),
+}
+
+/// An annuloplasty ring: a parametric family with a size, or a curve.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Ring {
+    /// Parametric family; needs `size_mm`. A generic shape, not any maker's geometry.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub family: Option<RingFamily>,
+    /// Inner transverse diameter [mm], for a family.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size_mm: Option<f64>,
+    /// Ring curve from a file: Slicer markups JSON or a polyline (.vtk, .vtp).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve_file: Option<String>,
+    /// Ring curve as a polyline [mm], shape `[point]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve_mm: Option<Vec<[f64; 3]>>,
+    /// Whether the curve closes on itself; a family knows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub closed: Option<bool>,
+    /// Use the curve where it stands instead of fitting it to the annulus' landmarks.
+    #[serde(default)]
+    pub placed: bool,
+    /// How annulus points find their place on the ring.
+    #[serde(default)]
+    pub attachment: Attachment,
+}
+
+/// Parametric ring shapes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum RingFamily {
+    /// Open, rigid, planar.
+    ClassicLike,
+    /// Closed, mild anterior saddle.
+    PhysioLike,
+    /// Closed, pronounced saddle.
+    Saddle,
+    /// Closed, reduced anteroposterior diameter.
+    ReducedAp,
+    /// Open band along the posterior annulus.
+    PosteriorBand,
+}
+
+/// How annulus points find their place on a ring.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Attachment {
+    /// Between matching landmarks, in proportion to arc length: close to evenly spaced sutures.
+    #[default]
+    ArcLength,
+    /// Each point to the nearest point of the ring (paper 003).
+    NearestPoint,
+}
+
+/// Something wrong, or repaired, in what was given.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// An error stops; a warning is reported with the result.
+    pub severity: Severity,
+    /// Where: the key path in the scene (`leaflets[0].thickness_mm`), with an element where there is one
+    /// (`leaflets[0].mesh face 12`).
+    pub place: String,
+    /// What was found, its value and what was expected.
+    pub message: String,
+}
+
+/// Whether a fault stops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Severity {
+    /// Nothing can be computed.
+    Error,
+    /// Computed all the same; the reader must know.
+    Warning,
+}
+
+impl Fault {
+    /// A fault that stops.
+    pub fn error(place: impl Into<String>, message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Error,
+            place: place.into(),
+            message: message.into(),
+        }
+    }
+
+    /// A fault that is reported with the result.
+    pub fn warning(place: impl Into<String>, message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Warning,
+            place: place.into(),
+            message: message.into(),
+        }
+    }
+}
