@@ -1,4 +1,60 @@
 //! The forces, one file per law: value, gradient and Hessian blocks.
+//!
+//! Every law offers the same three functions: `energy` [N·mm], `add_gradient` (minus the force, [N]) and
+//! `add_hessian`, which hands its 3×3 blocks [N/mm] to a sink. A block `(i, j)` with `i != j` stands for itself
+//! and for its transpose at `(j, i)`.
 
 pub mod bilinear_spring;
 pub mod chord;
+pub mod pressure;
+
+use crate::{Mat3, Vec3};
+
+/// Which second derivative is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curvature {
+    /// The true one: fast near the equilibrium, but possibly indefinite.
+    Exact,
+    /// A positive semidefinite part of it: safe far from the equilibrium.
+    Projected,
+}
+
+/// Receives Hessian blocks: row vertex, column vertex, block [N/mm].
+pub trait BlockSink {
+    /// Adds a block.
+    fn add(&mut self, row: u32, column: u32, block: &Mat3);
+}
+
+impl<F: FnMut(u32, u32, &Mat3)> BlockSink for F {
+    fn add(&mut self, row: u32, column: u32, block: &Mat3) {
+        self(row, column, block);
+    }
+}
+
+/// The Hessian of a two-point element: with direction n, length l, tension f(l) and tangent k = df/dl,
+/// K = k n nᵀ + (f / l)(I − n nᵀ) on the diagonal and −K off it.
+///
+/// A compressed element (f < 0) pushes sideways, which makes K indefinite; the projected form drops that.
+fn add_line_hessian(
+    ends: [u32; 2],
+    offset: Vec3,
+    tension_n: f64,
+    tangent_n_per_mm: f64,
+    curvature: Curvature,
+    sink: &mut impl BlockSink,
+) {
+    let length = offset.norm();
+    if length == 0.0 {
+        return;
+    }
+    let direction = offset / length;
+    let sideways = match curvature {
+        Curvature::Exact => tension_n / length,
+        Curvature::Projected => (tension_n / length).max(0.0),
+    };
+    let block = direction * direction.transpose() * (tangent_n_per_mm - sideways)
+        + Mat3::from_diagonal_element(sideways);
+    sink.add(ends[0], ends[0], &block);
+    sink.add(ends[1], ends[1], &block);
+    sink.add(ends[0], ends[1], &-block);
+}

@@ -1,0 +1,91 @@
+//! Pressure on the faces: along the current normal, on the current area, a third to each vertex (paper 003,
+//! section 2.2).
+//!
+//! The load follows the surface. With a closed or fixed rim it is the gradient of p·V; at a free margin it is
+//! not, so there is no energy. What the solver needs instead: the force, its symmetric tangent, the product of
+//! its full tangent with a vector, and the potential −p·V as the conservative part.
+
+use super::BlockSink;
+use crate::Vec3;
+
+/// Adds minus the pressure force [N], shape `[vertex]`.
+///
+/// Face (a, b, c): ½ (b − a) × (c − a) is its vector area, so each vertex gets p/6 (b − a) × (c − a).
+pub fn add_gradient(faces: &[[u32; 3]], pressure_mpa: f64, positions_mm: &[Vec3], gradient_n: &mut [Vec3]) {
+    for face in faces {
+        let [a, b, c] = face.map(|vertex| positions_mm[vertex as usize]);
+        let force = (b - a).cross(&(c - a)) * (pressure_mpa / 6.0);
+        for &vertex in face {
+            gradient_n[vertex as usize] -= force;
+        }
+    }
+}
+
+/// The potential −p·V of the cone from `apex` over the faces [N·mm].
+pub fn potential(faces: &[[u32; 3]], pressure_mpa: f64, apex: Vec3, positions_mm: &[Vec3]) -> f64 {
+    let volume: f64 = faces
+        .iter()
+        .map(|face| {
+            let [a, b, c] = face.map(|vertex| positions_mm[vertex as usize] - apex);
+            a.dot(&b.cross(&c)) / 6.0
+        })
+        .sum();
+    -pressure_mpa * volume
+}
+
+/// Adds the gradient of [`potential`] [N], shape `[vertex]`.
+pub fn add_potential_gradient(
+    faces: &[[u32; 3]],
+    pressure_mpa: f64,
+    apex: Vec3,
+    positions_mm: &[Vec3],
+    gradient_n: &mut [Vec3],
+) {
+    let scale = pressure_mpa / 6.0;
+    for face in faces {
+        let [a, b, c] = face.map(|vertex| positions_mm[vertex as usize] - apex);
+        gradient_n[face[0] as usize] -= b.cross(&c) * scale;
+        gradient_n[face[1] as usize] -= c.cross(&a) * scale;
+        gradient_n[face[2] as usize] -= a.cross(&b) * scale;
+    }
+}
+
+/// Adds the symmetric part of the tangent of minus the force.
+///
+/// With N = (b − a) × (c − a): ∂N/∂a = [c − b]ₓ and so on round, and every vertex carries −p/6 N. The block that
+/// couples a and b is K_ab = −p/6 [a − c]ₓ, and ½ (K_ab + K_baᵀ) = p/6 [c − (a + b)/2]ₓ. Diagonal blocks are
+/// antisymmetric: they have no symmetric part.
+pub fn add_symmetric_tangent(
+    faces: &[[u32; 3]],
+    pressure_mpa: f64,
+    positions_mm: &[Vec3],
+    sink: &mut impl BlockSink,
+) {
+    for face in faces {
+        let corners = face.map(|vertex| positions_mm[vertex as usize]);
+        for k in 0..3 {
+            let (a, b, c) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
+            let block = ((c - (a + b) * 0.5) * (pressure_mpa / 6.0)).cross_matrix();
+            sink.add(face[k], face[(k + 1) % 3], &block);
+        }
+    }
+}
+
+/// Adds the full tangent of minus the force times `direction` [N for mm], shape `[vertex]`.
+pub fn add_tangent_product(
+    faces: &[[u32; 3]],
+    pressure_mpa: f64,
+    positions_mm: &[Vec3],
+    direction: &[Vec3],
+    product: &mut [Vec3],
+) {
+    for face in faces {
+        let [a, b, c] = face.map(|vertex| positions_mm[vertex as usize]);
+        let [da, db, dc] = face.map(|vertex| direction[vertex as usize]);
+        let change = (c - b).cross(&da) + (a - c).cross(&db) + (b - a).cross(&dc);
+        let force = change * (pressure_mpa / 6.0);
+        for &vertex in face {
+            product[vertex as usize] -= force;
+        }
+    }
+}
