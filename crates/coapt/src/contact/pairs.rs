@@ -2,6 +2,7 @@
 
 use super::broad::SweepAndPrune;
 use super::nearest::{Nearest, edge_edge, point_triangle};
+use super::step_bound::GAP_FRACTION;
 use super::surface::Surface;
 use crate::Vec3;
 use rayon::prelude::*;
@@ -50,12 +51,13 @@ fn nearest_of(kind: PairKind, corners: &[Vec3; 4]) -> Nearest {
     }
 }
 
-/// All pairs within a reach of each other, and where the vertices stood then.
+/// All pairs that may touch until the vertices have moved by a given budget, and where the vertices stood when
+/// the list was made.
 #[derive(Clone, Debug, Default)]
 pub struct PairList {
-    /// The pairs, in a fixed order.
-    pub pairs: Vec<Pair>,
-    reach_mm: f64,
+    /// The pairs with their distances then, in a fixed order.
+    listed: Vec<(Pair, f64)>,
+    budget_mm: f64,
     listed_at_mm: Vec<Vec3>,
     sweep: SweepAndPrune,
 }
@@ -69,49 +71,132 @@ const PARALLEL_FROM: usize = 20_000;
 const NEIGHBOUR_FRACTION: f64 = 0.5;
 
 impl PairList {
-    /// Whether every pair that comes within `distance_mm` while each vertex moves from `positions_mm` by up to
-    /// `step_mm` is surely listed.
-    pub fn covers(&self, positions_mm: &[Vec3], step_mm: f64, distance_mm: f64) -> bool {
-        if self.listed_at_mm.len() != positions_mm.len() {
-            return false;
-        }
-        // Two parts come at most twice as much nearer as their vertices have moved.
-        let moved = largest_distance(positions_mm, &self.listed_at_mm) + step_mm;
-        distance_mm + 2.0 * moved <= self.reach_mm
+    /// Whether every pair that touches while each vertex moves from `positions_mm` by up to `step_mm` is surely
+    /// listed.
+    pub fn covers(&self, positions_mm: &[Vec3], step_mm: f64) -> bool {
+        self.listed_at_mm.len() == positions_mm.len()
+            && self.moved_mm(positions_mm) + step_mm <= self.budget_mm
     }
 
-    /// Lists all pairs within `reach_mm`.
+    /// The pairs that may touch anywhere on the straight ways of all vertices from one place to another.
+    ///
+    /// Closest points are averages of their part's vertices, so a pair comes nearer by no more than the largest
+    /// difference between the motions of a vertex of one part and one of the other.
+    pub fn touching(&self, from_mm: &[Vec3], to_mm: &[Vec3]) -> Vec<Pair> {
+        let motion = |positions: &[Vec3]| -> Vec<Vec3> {
+            positions
+                .iter()
+                .zip(&self.listed_at_mm)
+                .map(|(here, then)| here - then)
+                .collect()
+        };
+        let (before, after) = (motion(from_mm), motion(to_mm));
+        let may_touch = |pair: &Pair, distance_mm: f64| {
+            let room = (distance_mm - pair.activation_mm).max(0.0);
+            let nearer = approach_squared(pair, &before).max(approach_squared(pair, &after));
+            room * room <= nearer
+        };
+        self.listed
+            .iter()
+            .filter(|(pair, distance)| may_touch(pair, *distance))
+            .map(|(pair, _)| *pair)
+            .collect()
+    }
+
+    /// The pairs that may meet when each vertex goes any part of its step, each its own part.
+    pub fn meeting(&self, positions_mm: &[Vec3], step_mm: &[Vec3]) -> Vec<Pair> {
+        let motion: Vec<Vec3> = positions_mm
+            .iter()
+            .zip(&self.listed_at_mm)
+            .map(|(here, then)| here - then)
+            .collect();
+        let lengths: Vec<f64> = step_mm.iter().map(|step| step.norm()).collect();
+        let may_meet = |pair: &Pair, distance_mm: f64| {
+            let longest = pair
+                .vertices
+                .map(|vertex| lengths[vertex as usize])
+                .into_iter()
+                .fold(0.0, f64::max);
+            let now_mm = distance_mm - approach_squared(pair, &motion).sqrt();
+            2.0 * longest > GAP_FRACTION * now_mm
+        };
+        self.listed
+            .iter()
+            .filter(|(pair, distance)| may_meet(pair, *distance))
+            .map(|(pair, _)| *pair)
+            .collect()
+    }
+
+    fn moved_mm(&self, positions_mm: &[Vec3]) -> f64 {
+        largest_distance(positions_mm, &self.listed_at_mm)
+    }
+
+    /// Lists all pairs that may touch before a vertex has moved by `budget_mm`.
     pub fn rebuild(
         &mut self,
         surface: &Surface,
         rest_mm: &[Vec3],
         positions_mm: &[Vec3],
         thickness_mm: f64,
-        reach_mm: f64,
+        budget_mm: f64,
     ) {
+        // Two parts come at most twice as much nearer as their vertices move.
+        let reach_mm = thickness_mm + 2.0 * budget_mm;
         let candidates = candidates(&mut self.sweep, surface, positions_mm, reach_mm);
-        let near = |&(kind, vertices, area_mm2): &Candidate| {
-            let here = nearest_of(kind, &corners(&vertices, positions_mm)).separation_mm;
-            (here.norm_squared() <= reach_mm * reach_mm).then(|| {
-                let at_rest = corners(&vertices, rest_mm);
-                let rest_distance_mm = nearest_of(kind, &at_rest).separation_mm.norm();
-                Pair {
-                    kind,
-                    vertices,
-                    activation_mm: thickness_mm.min(NEIGHBOUR_FRACTION * rest_distance_mm),
-                    area_mm2,
-                    parallel_limit_mm4: parallel_limit_mm4(kind, &at_rest),
-                }
-            })
-        };
-        self.pairs = if candidates.len() < PARALLEL_FROM {
-            candidates.iter().filter_map(near).collect()
+        let list = |candidate: &Candidate| list(candidate, rest_mm, positions_mm, thickness_mm, budget_mm);
+        self.listed = if candidates.len() < PARALLEL_FROM {
+            candidates.iter().filter_map(list).collect()
         } else {
-            candidates.par_iter().filter_map(near).collect()
+            candidates.par_iter().filter_map(list).collect()
         };
-        self.reach_mm = reach_mm;
+        self.budget_mm = budget_mm;
         self.listed_at_mm.clear();
         self.listed_at_mm.extend_from_slice(positions_mm);
+    }
+}
+
+/// A candidate with its distance, if it may touch within the budget.
+fn list(
+    &(kind, vertices, area_mm2): &Candidate,
+    rest_mm: &[Vec3],
+    positions_mm: &[Vec3],
+    thickness_mm: f64,
+    budget_mm: f64,
+) -> Option<(Pair, f64)> {
+    let distance_mm = nearest_of(kind, &corners(&vertices, positions_mm))
+        .separation_mm
+        .norm();
+    if distance_mm > thickness_mm + 2.0 * budget_mm {
+        return None;
+    }
+    let split = if kind == PairKind::PointTriangle { 1 } else { 2 };
+    let at_rest = corners(&vertices, rest_mm);
+    // Most pairs are far apart at rest and need no closer look.
+    let activation_mm = if boxes_overlap(&vertices, split, rest_mm, thickness_mm / NEIGHBOUR_FRACTION) {
+        thickness_mm.min(NEIGHBOUR_FRACTION * nearest_of(kind, &at_rest).separation_mm.norm())
+    } else {
+        thickness_mm
+    };
+    let parallel_limit_mm4 = parallel_limit_mm4(kind, &at_rest);
+    let pair = Pair {
+        kind,
+        vertices,
+        activation_mm,
+        area_mm2,
+        parallel_limit_mm4,
+    };
+    (distance_mm - activation_mm <= 2.0 * budget_mm).then_some((pair, distance_mm))
+}
+
+/// The square of how much nearer the parts of a pair may have come by these motions, at most [mm²].
+fn approach_squared(pair: &Pair, motion_mm: &[Vec3]) -> f64 {
+    let m = corners(&pair.vertices, motion_mm);
+    match pair.kind {
+        PairKind::PointTriangle => (1..4).map(|k| (m[0] - m[k]).norm_squared()).fold(0.0, f64::max),
+        PairKind::EdgeEdge => {
+            let across = [m[0] - m[2], m[0] - m[3], m[1] - m[2], m[1] - m[3]];
+            across.iter().map(Vec3::norm_squared).fold(0.0, f64::max)
+        }
     }
 }
 
@@ -141,8 +226,8 @@ fn candidates(
         for (one, other) in [(f, g), (g, f)] {
             let face = surface.faces[other as usize];
             for &vertex in &surface.owned_vertices[one as usize] {
-                if !face.contains(&vertex) {
-                    let vertices = [vertex, face[0], face[1], face[2]];
+                let vertices = [vertex, face[0], face[1], face[2]];
+                if !face.contains(&vertex) && boxes_overlap(&vertices, 1, positions_mm, reach_mm) {
                     let area = 0.25 * surface.vertex_area_mm2[vertex as usize];
                     found.push((PairKind::PointTriangle, vertices, area));
                 }
@@ -151,14 +236,30 @@ fn candidates(
         for &first in &surface.owned_edges[f as usize] {
             for &second in &surface.owned_edges[g as usize] {
                 let ([a, b], [c, d]) = (surface.edges[first as usize], surface.edges[second as usize]);
-                if a != c && a != d && b != c && b != d {
+                let vertices = [a, b, c, d];
+                let apart = a != c && a != d && b != c && b != d;
+                if apart && boxes_overlap(&vertices, 2, positions_mm, reach_mm) {
                     let area = surface.edge_area_mm2[first as usize] + surface.edge_area_mm2[second as usize];
-                    found.push((PairKind::EdgeEdge, [a, b, c, d], 0.125 * area));
+                    found.push((PairKind::EdgeEdge, vertices, 0.125 * area));
                 }
             }
         }
     });
     found
+}
+
+/// Whether the boxes of the first `split` vertices and of the others, grown by the reach, overlap.
+fn boxes_overlap(vertices: &[u32; 4], split: usize, positions_mm: &[Vec3], reach_mm: f64) -> bool {
+    let points = corners(vertices, positions_mm);
+    (0..3).all(|axis| {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for (k, point) in points.iter().enumerate() {
+            let side = usize::from(k >= split);
+            low[side] = low[side].min(point[axis]);
+            high[side] = high[side].max(point[axis]);
+        }
+        low[0] <= high[1] + reach_mm && low[1] <= high[0] + reach_mm
+    })
 }
 
 /// The farthest that any vertex lies from its other position [mm].

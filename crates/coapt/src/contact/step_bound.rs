@@ -10,7 +10,7 @@ use super::pairs::{Pair, corners};
 use crate::Vec3;
 
 /// Part of a gap that one step may use up [1]. At 1 parts would touch; a smaller part only costs steps.
-const GAP_FRACTION: f64 = 0.9;
+pub const GAP_FRACTION: f64 = 0.9;
 
 /// Shortens the step of each vertex as far as needed; a shortened step keeps its direction.
 pub fn shorten(pairs: &[Pair], positions_mm: &[Vec3], step_mm: &mut [Vec3]) {
@@ -21,15 +21,6 @@ pub fn shorten(pairs: &[Pair], positions_mm: &[Vec3], step_mm: &mut [Vec3]) {
     for (step, allowed) in step_mm.iter_mut().zip(allowed) {
         *step *= allowed;
     }
-}
-
-/// The largest part of the whole step that is safe, the same for all vertices [1].
-pub fn common_fraction(pairs: &[Pair], positions_mm: &[Vec3], step_mm: &[Vec3]) -> f64 {
-    let mut allowed = vec![1.0_f64; step_mm.len()];
-    for pair in pairs {
-        bound_pair(pair, positions_mm, step_mm, &mut allowed);
-    }
-    allowed.into_iter().fold(1.0, f64::min)
 }
 
 fn bound_pair(pair: &Pair, positions_mm: &[Vec3], step_mm: &[Vec3], allowed: &mut [f64]) {

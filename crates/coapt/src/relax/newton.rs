@@ -12,7 +12,7 @@ use super::load::{self, FreeSink, Merit, PRESCRIBED};
 use super::{Equilibrium, Iteration, Status};
 use crate::Vec3;
 use crate::contact::crossing::crossings;
-use crate::contact::pairs::{PairList, largest_distance};
+use crate::contact::pairs::{Pair, PairList, largest_distance};
 use crate::contact::step_bound;
 use crate::contact::surface::Surface;
 use crate::energy::Curvature;
@@ -21,7 +21,9 @@ use crate::state::State;
 
 /// Longest step of a vertex, as a part of the valve's size [1]. Larger steps overshoot while the soft branch of
 /// the springs still rules; smaller ones only cost iterations.
-const STEP_LIMIT: f64 = 0.05;
+const STEP_LIMIT: f64 = 0.01;
+/// Longest step of a vertex in mean edge lengths [1]: fine meshes pay for long steps with long pair lists.
+const STEP_LIMIT_EDGES: f64 = 0.5;
 /// The exact tangent is tried from this residual on: farther out it is indefinite nearly always.
 const EXACT_BELOW: f64 = 10.0;
 /// A line search gives up after so many halvings.
@@ -29,10 +31,15 @@ const HALVINGS: u32 = 12;
 /// Steps in a row without progress before the solver says so.
 const STALL_LIMIT: u32 = 60;
 
+/// Length of the pair list's budget in steps [1]. More, and lists grow long; fewer, and they are made too often.
+const BUDGET_STEPS: f64 = 2.0;
+
 struct Solver<'a> {
     model: &'a Model,
     surface: Surface,
     pairs: PairList,
+    /// The pairs that may touch where the valve now is.
+    near: Vec<Pair>,
     free: Vec<u32>,
     free_index: Vec<u32>,
     weight_mm2: Vec<f64>,
@@ -71,17 +78,20 @@ impl<'a> Solver<'a> {
             })
             .collect();
         let size = bounding_diagonal(&model.rest_mm);
+        let edges = &model.springs.rest_length_mm;
+        let mean_edge = edges.iter().sum::<f64>() / edges.len().max(1) as f64;
         let mut solver = Self {
             model,
             surface,
             pairs: PairList::default(),
+            near: Vec::new(),
             free,
             free_index,
             weight_mm2,
             matrix: BlockMatrix::default(),
             symbolic: Symbolic::default(),
             reference_force_n: load::reference_force_n(model),
-            step_limit_mm: STEP_LIMIT * size,
+            step_limit_mm: (STEP_LIMIT * size).min(STEP_LIMIT_EDGES * mean_edge),
             damping: 0.0,
         };
         // At this damping pressure alone moves a vertex by the step limit.
@@ -91,11 +101,12 @@ impl<'a> Solver<'a> {
 
     fn iterate(&mut self, positions: &mut Vec<Vec3>, history: &mut Vec<Iteration>) -> Status {
         let mut failures = 0;
+        self.cover(positions, 0.0);
+        self.near = self.pairs.touching(positions, positions);
         for _ in 0..self.model.settings.iteration_limit {
             let motion = self.boundary_motion(positions);
             let moving = motion.iter().any(|step| *step != Vec3::zeros());
-            self.cover(positions, 0.0);
-            let gradient = load::gradient(self.model, &self.pairs.pairs, positions);
+            let gradient = load::gradient(self.model, &self.near, positions);
             let residual = self.residual(&gradient);
             if residual <= self.model.settings.residual_tolerance && !moving {
                 return Status::Converged;
@@ -103,12 +114,15 @@ impl<'a> Solver<'a> {
             let (mut step, exact) = self.newton_step(positions, &gradient, &motion, residual);
             let longest = self.limit(&mut step);
             self.cover(positions, longest);
+            step_bound::shorten(&self.pairs.meeting(positions, &step), positions, &mut step);
+            let mut end = positions.clone();
+            advance(&mut end, &step, 1.0);
+            self.near = self.pairs.touching(positions, &end);
             let fraction = if moving {
-                step_bound::shorten(&self.pairs.pairs, positions, &mut step);
-                advance(positions, &step, 1.0);
+                *positions = end;
                 1.0
             } else {
-                self.search(positions, &mut step, residual)
+                self.search(positions, &step, residual)
             };
             history.push(Iteration {
                 residual,
@@ -147,12 +161,12 @@ impl<'a> Solver<'a> {
 
     /// Makes sure that every pair which may touch during a step of this length is listed.
     fn cover(&mut self, positions: &[Vec3], step_mm: f64) {
-        let thickness = self.model.contact.thickness_mm;
-        if !self.pairs.covers(positions, step_mm, thickness) {
+        if !self.pairs.covers(positions, step_mm) {
+            let thickness = self.model.contact.thickness_mm;
             // Room for this step and the next ones, which are likely no longer.
-            let reach = thickness + 2.0 * (2.0 * step_mm).max(0.25 * thickness);
+            let budget = (BUDGET_STEPS * step_mm).max(0.1 * thickness);
             self.pairs
-                .rebuild(&self.surface, &self.model.rest_mm, positions, thickness, reach);
+                .rebuild(&self.surface, &self.model.rest_mm, positions, thickness, budget);
         }
     }
 
@@ -221,7 +235,7 @@ impl<'a> Solver<'a> {
                     right_n: &mut right,
                     matrix: |row, column, block: &crate::Mat3| complete &= matrix.add(row, column, block),
                 };
-                load::add_tangent(self.model, &self.pairs.pairs, positions, curvature, &mut sink);
+                load::add_tangent(self.model, &self.near, positions, curvature, &mut sink);
             }
             if complete {
                 return right;
@@ -232,7 +246,7 @@ impl<'a> Solver<'a> {
 
     fn grow_pattern(&mut self, positions: &[Vec3]) {
         let mut places = load::tangent_places(self.model);
-        for pair in &self.pairs.pairs {
+        for pair in &self.near {
             // A little beyond the activation distance, so that the pattern lasts for some steps.
             if pair.nearest(positions).separation_mm.norm() < 1.2 * pair.activation_mm {
                 let v = pair.vertices;
@@ -269,17 +283,15 @@ impl<'a> Solver<'a> {
     }
 
     /// Takes as much of the step as lowers the merit function, or the residual; returns the part taken [1].
-    fn search(&mut self, positions: &mut Vec<Vec3>, step: &mut [Vec3], residual: f64) -> f64 {
+    fn search(&self, positions: &mut Vec<Vec3>, step: &[Vec3], residual: f64) -> f64 {
         let merit = Merit::new(self.model, positions);
-        let pairs = &self.pairs.pairs;
-        let before = merit.value(self.model, pairs, positions);
-        step_bound::shorten(pairs, positions, step);
+        let before = merit.value(self.model, &self.near, positions);
         let mut fraction = 1.0;
         for _ in 0..HALVINGS {
             let mut trial = positions.clone();
             advance(&mut trial, step, fraction);
-            let falls = merit.value(self.model, pairs, &trial) < before;
-            if falls || self.residual(&load::gradient(self.model, pairs, &trial)) < residual {
+            let falls = merit.value(self.model, &self.near, &trial) < before;
+            if falls || self.residual(&load::gradient(self.model, &self.near, &trial)) < residual {
                 *positions = trial;
                 return fraction;
             }
@@ -298,13 +310,14 @@ impl<'a> Solver<'a> {
 
     fn finish(mut self, positions: Vec<Vec3>, status: Status, history: Vec<Iteration>) -> Equilibrium {
         self.cover(&positions, 0.0);
-        let gradient = load::gradient(self.model, &self.pairs.pairs, &positions);
+        self.near = self.pairs.touching(&positions, &positions);
+        let gradient = load::gradient(self.model, &self.near, &positions);
         let residual = self.residual(&gradient);
         let stable = self.is_stable(&positions, &gradient);
         let certificate = certify(
             self.model,
             &self.surface,
-            &self.pairs.pairs,
+            &self.near,
             &positions,
             residual,
             stable,
