@@ -22,8 +22,8 @@ is P = sum 2 mu_i / alpha_i (s^(alpha_i - 1) - s^(-alpha_i / 2 - 1)).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Callable
 
 LATTICE_FACTOR = {"equibiaxial": 1.5, "uniaxial": 1.0}
 
@@ -123,7 +123,9 @@ def fit_springs(law: ExponentialLaw, cauchy_max_mpa: float, state: str = "equibi
     return SpringFit(springs, rms, max(map(abs, errors)))
 
 
-def nelder_mead(function: Callable[[list[float]], float], start: list[float], steps: int = 2000) -> list[float]:
+def nelder_mead(
+    function: Callable[[list[float]], float], start: list[float], steps: int = 2000
+) -> list[float]:
     """The lowest point that a downhill simplex (Nelder & Mead 1965, the usual 1, 2, 1/2, 1/2) finds."""
     simplex = [list(start)] + [
         [value + (0.2 if axis == moved else 0.0) for axis, value in enumerate(start)]
@@ -136,15 +138,11 @@ def nelder_mead(function: Callable[[list[float]], float], start: list[float], st
         worst = ranked[-1][1]
         centre = [sum(pair[1][axis] for pair in ranked[:-1]) / len(start) for axis in range(len(start))]
 
-        def along(factor: float) -> list:
-            point = [c + factor * (c - w) for c, w in zip(centre, worst)]
-            return [function(point), point]
-
-        trial = along(1.0)
+        trial = beyond(function, centre, worst, 1.0)
         if trial[0] < ranked[0][0]:
-            trial = min(trial, along(2.0), key=lambda pair: pair[0])
+            trial = min(trial, beyond(function, centre, worst, 2.0), key=lambda pair: pair[0])
         elif trial[0] >= ranked[-2][0]:
-            trial = along(0.5) if trial[0] < ranked[-1][0] else along(-0.5)
+            trial = beyond(function, centre, worst, 0.5 if trial[0] < ranked[-1][0] else -0.5)
         if trial[0] < ranked[-1][0]:
             ranked[-1] = trial
         else:
@@ -153,6 +151,12 @@ def nelder_mead(function: Callable[[list[float]], float], start: list[float], st
             ranked[1:] = [[function(point), point] for point in shrunk]
         ranked.sort(key=lambda pair: pair[0])
     return ranked[0][1]
+
+
+def beyond(function: Callable, centre: list[float], worst: list[float], factor: float) -> list:
+    """Value and place of the point that lies from the worst through the centre, `factor` times as far beyond."""
+    point = [c + factor * (c - w) for c, w in zip(centre, worst)]
+    return [function(point), point]
 
 
 def ogden_modulus_mpa(terms: list[tuple[float, float]]) -> float:
