@@ -74,7 +74,7 @@ def surface(corners: np.ndarray, normals: np.ndarray, colours: np.ndarray, gloss
     rgb = np.clip(colours ** np.clip(1.9 - 0.9 * light, 0.8, 1.6) * (0.5 + 0.5 * light), 0.0, 1.0)
     rgb = np.clip(rgb + gloss * highlight[:, None], 0.0, 1.0)
     # Edges in the face's colour hide the hairlines that antialiasing leaves between neighbours.
-    widths = np.full(len(corners), 0.35)
+    widths = np.full(len(corners), 0.6)
     return Strokes(list(corners[:, :, :2]), rgb, rgb, widths, corners[:, :, 2].mean(axis=1))
 
 
