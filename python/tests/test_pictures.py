@@ -32,7 +32,7 @@ def square(path: Path, height: float = 0.0, half: float = 10.0, leaflet: int = 0
 
 
 def appended(path: Path, header: str = 'header_type="UInt64"', cut: int = 0, extra: str = "") -> Path:
-    """The same square as coapt writes it: appended raw arrays, each after its length; one quad and one line."""
+    """The same square as coapt writes it, appended raw arrays after their lengths; one quad, one line."""
     blocks = [
         struct.pack("<12d", *(value for point in SQUARE for value in point)),
         struct.pack("<2q", 0, 2),
@@ -53,8 +53,10 @@ def appended(path: Path, header: str = 'header_type="UInt64"', cut: int = 0, ext
 <PointData>{array.format("UInt8", "annulus", 1, offsets[5])}</PointData>
 <CellData>{array.format("Float64", "value", 1, offsets[6])}</CellData>
 <Points>{array.format("Float64", "Points", 3, offsets[0])}</Points>
-<Lines>{array.format("Int64", "connectivity", 1, offsets[1])}{array.format("Int64", "offsets", 1, offsets[2])}</Lines>
-<Polys>{array.format("Int32", "connectivity", 1, offsets[3])}{array.format("Int64", "offsets", 1, offsets[4])}</Polys>
+<Lines>{array.format("Int64", "connectivity", 1, offsets[1])}
+{array.format("Int64", "offsets", 1, offsets[2])}</Lines>
+<Polys>{array.format("Int32", "connectivity", 1, offsets[3])}
+{array.format("Int64", "offsets", 1, offsets[4])}</Polys>
 </Piece></PolyData><AppendedData encoding="raw">_"""
     tail = b"" if cut else b"</AppendedData></VTKFile>"
     path.write_bytes(text.encode() + data[: len(data) - cut] + tail)
@@ -88,7 +90,10 @@ def test_ascii_is_read_to_the_last_digit(tmp_path):
         (lambda p: appended(p, extra='compressor="vtkZLibDataCompressor"'), "compressed"),
         (lambda p: p.write_text("not xml"), "not XML"),
         (lambda p: p.write_text("<VTKFile/>"), "no PolyData piece"),
-        (lambda p: p.write_text(polydata("LPS", SQUARE, polys=[[0, 1, 9]])), "Polys: point 9 of 4 does not exist"),
+        (
+            lambda p: p.write_text(polydata("LPS", SQUARE, polys=[[0, 1, 9]])),
+            "Polys: point 9 of 4 does not exist",
+        ),
         (lambda p: p.write_text(polydata("LPS", [(0.0, float("nan"), 0.0)])), "point 0 is not finite"),
         (lambda p: square(p, strain=[1.0, 2.0]), "array 'strain' has 2 values for 4 points"),
         (lambda p: None, "No such file"),
@@ -156,11 +161,15 @@ def test_leaflets_that_share_an_edge_have_no_seam(tmp_path):
 
 
 def middle_colour(paths: list[Path], picture: Path, *options: str) -> np.ndarray:
-    """RGB at the middle of a picture of one valve from above; the panel is nearly all of it."""
-    arguments = [*map(str, paths), "-o", str(picture), "--views=above", "--dpi=60", *options]
+    """RGB at the middle of a picture of one valve from above, which is nearly all of it.
+
+    The median of 15 x 15 pixels: antialiasing at triangle edges lets a little of what lies below through.
+    """
+    arguments = [*map(str, paths), "-o", str(picture), "--views=above", "--dpi=100", *options]
     assert pictures.main(arguments) == 0
     image = plt.imread(picture)
-    return image[image.shape[0] // 2, image.shape[1] // 2, :3]
+    row, column = image.shape[0] // 2, image.shape[1] // 2
+    return np.median(image[row - 7 : row + 8, column - 7 : column + 8, :3], axis=(0, 1))
 
 
 def test_the_nearer_leaflet_covers_the_farther(tmp_path):
@@ -177,8 +186,8 @@ def test_the_nearer_leaflet_covers_the_farther(tmp_path):
     ]
     for leaflet in (0, 1):
         own, other = (np.abs(found[leaflet] - alone[which]).max() for which in (leaflet, 1 - leaflet))
-        # Antialiasing at the edges of small triangles lets a little of what lies below through.
-        assert own < 0.25 * other
+        # Same normal, same light: the same colour but for rounding to 8 bits.
+        assert own <= 2 / 255 and other > 20 / 255
 
 
 def test_the_ventricular_side_has_another_colour(tmp_path):
@@ -216,7 +225,13 @@ def test_the_same_input_gives_the_same_bytes(tmp_path):
     chords = tmp_path / "chords.vtp"
     chords.write_text(polydata("LPS", [(0.0, 0.0, 0.0), (0.0, 0.0, -20.0)], lines=[[0, 1]]))
     for name in ("one", "two"):
-        arguments = [str(valve), str(chords), "-o", str(tmp_path / f"{name}.png"), "--views=above,front,side,oblique"]
+        arguments = [
+            str(valve),
+            str(chords),
+            "-o",
+            str(tmp_path / f"{name}.png"),
+            "--views=above,front,side,oblique",
+        ]
         assert pictures.main([*arguments, "--dpi=40"]) == 0
     assert (tmp_path / "one.png").read_bytes() == (tmp_path / "two.png").read_bytes()
 
@@ -226,4 +241,8 @@ def test_a_folder_of_results_is_one_column_each_with_chords_to_the_closed_state(
         square(tmp_path / f"{name}.vtp")
     (tmp_path / "chords.vtp").write_text(polydata("LPS", [(0.0, 0.0, 0.0), (0.0, 0.0, -9.0)], lines=[[0, 1]]))
     valves = pictures.read_valves([tmp_path])
-    assert [(valve.title, len(valve.chords)) for valve in valves] == [("open", 0), ("closed", 1), ("after", 0)]
+    assert [(valve.title, len(valve.chords)) for valve in valves] == [
+        ("open", 0),
+        ("closed", 1),
+        ("after", 0),
+    ]

@@ -58,7 +58,9 @@ def vtp_numbers(path: Path, place: str, name: str) -> list[float]:
 
 def read_toml(path: Path) -> dict:
     """The scene file as a dictionary."""
-    return pytest.importorskip("tomllib", reason="Python 3.11 reads TOML").loads(path.read_text(encoding="utf-8"))
+    return pytest.importorskip("tomllib", reason="Python 3.11 reads TOML").loads(
+        path.read_text(encoding="utf-8")
+    )
 
 
 # ---------------------------------------------------------------- the scene folder
@@ -70,7 +72,10 @@ def test_scene_says_what_the_tables_say(tmp_path):
     assert scene["schema_version"] == 1
     assert scene["load"] == {"pressure_mmhg": 100.0}
     assert scene["annulus"] == {"marker_array": "annulus", "displacement_array": "annulus_displacement_mm"}
-    assert [leaflet["mesh_file"] for leaflet in scene["leaflets"]] == ["leaflet_front.vtp", "leaflet_back.vtp"]
+    assert [leaflet["mesh_file"] for leaflet in scene["leaflets"]] == [
+        "leaflet_front.vtp",
+        "leaflet_back.vtp",
+    ]
     assert scene["papillary"] == [
         {
             "name": "papillary_1",
@@ -107,7 +112,7 @@ def test_arrays_keep_every_digit_and_their_order(tmp_path):
 
 
 def test_leaflets_run_counter_clockwise_along_the_annulus(tmp_path):
-    """Whatever way the table winds a leaflet, its annulus edges turn counter-clockwise seen from the atrium."""
+    """Whatever way the table winds a leaflet, its annulus turns counter-clockwise seen from the atrium."""
     assert main(["tables", str(tmp_path / "out"), *write_tables(tmp_path)]) == 0
     for name in ("front", "back"):
         path = tmp_path / "out" / f"leaflet_{name}.vtp"
@@ -161,9 +166,24 @@ def test_column_names_are_options(tmp_path):
     ("table", "old", "new", "message"),
     [
         ("nodes", "z0_mm", "zz", "nodes.csv:1: column 'z0_mm' is missing"),
-        ("nodes", "4,,0,,,,10,10,-8", "4,,0,,,,10,ten,-8", "nodes.csv:6: column 'y0_mm': 'ten' is not a number"),
-        ("nodes", "4,,0,,,,10,10,-8", "4,,0,,,,10,nan,-8", "nodes.csv:6: column 'y0_mm': 'nan' is not finite"),
-        ("nodes", "4,,0,,,,10,10,-8", "4,,0,,,,10,1e400,-8", "nodes.csv:6: column 'y0_mm': '1e400' is not finite"),
+        (
+            "nodes",
+            "4,,0,,,,10,10,-8",
+            "4,,0,,,,10,ten,-8",
+            "nodes.csv:6: column 'y0_mm': 'ten' is not a number",
+        ),
+        (
+            "nodes",
+            "4,,0,,,,10,10,-8",
+            "4,,0,,,,10,nan,-8",
+            "nodes.csv:6: column 'y0_mm': 'nan' is not finite",
+        ),
+        (
+            "nodes",
+            "4,,0,,,,10,10,-8",
+            "4,,0,,,,10,1e400,-8",
+            "nodes.csv:6: column 'y0_mm': '1e400' is not finite",
+        ),
         ("nodes", "4,,0,,,,10,10,-8", "4,,0,,,,10,10,5,-8", "nodes.csv:6: 10 cells, the header has 9"),
         ("nodes", "\n5,", "\n4,", "nodes.csv:7: column 'id': node 4 is listed twice"),
         ("nodes", ",1,", ",0,", "no node of any leaflet is on the annulus"),
@@ -235,7 +255,9 @@ def test_nominal_stress_is_the_derivative_of_the_energy(state):
             excess = 2 * stretch**2 + stretch**-4 - 3
         else:
             excess = stretch**2 + 2 / stretch - 3
-        return 0.5 * ANTERIOR.c0_mpa * excess + 0.5 * ANTERIOR.c1_mpa * (math.exp(ANTERIOR.c2 * excess**2) - 1)
+        return 0.5 * ANTERIOR.c0_mpa * excess + 0.5 * ANTERIOR.c1_mpa * (
+            math.exp(ANTERIOR.c2 * excess**2) - 1
+        )
 
     axes = 2 if state == "equibiaxial" else 1
     for stretch in (1.05, 1.2, 1.35):
@@ -250,7 +272,9 @@ def test_stretch_is_found_from_stress():
     law = spring_fit.ExponentialLaw(0.4, 0.0, 1.0)
     for stretch in (1.01, 1.3, 2.0):
         cauchy = 0.4 * (stretch**2 - stretch**-4)
-        assert spring_fit.stretch_at_cauchy_stress(law, cauchy, "equibiaxial") == pytest.approx(stretch, rel=1e-13)
+        assert spring_fit.stretch_at_cauchy_stress(law, cauchy, "equibiaxial") == pytest.approx(
+            stretch, rel=1e-13
+        )
 
 
 def test_lattice_factor_is_that_of_an_equilateral_lattice():
@@ -286,7 +310,9 @@ def test_fit_is_the_best_nearby_and_close(state, c1, c2):
 def test_ogden_modulus_is_the_slope_at_no_strain():
     terms = [(4.241553984852658, 55.914887194545429), (2.724796146859668, 55.915477229563507)]
     step = 1e-7
-    rise = spring_fit.ogden_nominal_stress_mpa(terms, 1 + step) - spring_fit.ogden_nominal_stress_mpa(terms, 1 - step)
+    rise = spring_fit.ogden_nominal_stress_mpa(terms, 1 + step) - spring_fit.ogden_nominal_stress_mpa(
+        terms, 1 - step
+    )
     # Differences of 1e-7 lose about 9 of 16 digits.
     assert spring_fit.ogden_modulus_mpa(terms) == pytest.approx(rise / (2 * step), rel=1e-6)
 
@@ -324,7 +350,7 @@ def test_kaiser_layout(tmp_path):
     reference = tmp_path / "out" / "closed_reference.vtp"
     assert sum(vtp_numbers(reference, "PointData", "annulus")) == 4
     assert -8.0 in vtp_numbers(reference, "Points", "Points")
-    # A repeated corner makes a triangle; quad 1-2-5-4 is half anterior and begins so, quad 3-0-4-5 begins posterior.
+    # A repeated corner makes a triangle. Quads 1-2-5-4 and 3-0-4-5 are half anterior; the first begins so.
     offsets = {
         name: vtp_numbers(tmp_path / "out" / f"leaflet_{name}.vtp", "Polys", "offsets")
         for name in ("anterior", "posterior")
@@ -361,7 +387,7 @@ def test_texas_tables():
     assert {leaflet.thickness_mm for leaflet in case.leaflets.values()} == {0.65}
     # 3 (18.884147787615671 + 22.682992286286954 + 19.502933935159177), from the material card.
     assert case.chords["anterior"].modulus_mpa == pytest.approx(183.2102220271854, rel=1e-14)
-    # The prescribed motion is the difference of the two published frames, rounded to 1e-5 mm twice and 1e-6 once.
+    # The prescribed motion is the difference of the two frames, which are rounded to 1e-5 mm.
     for point in case.points.values():
         if point.annulus:
             moved = [a + d for a, d in zip(point.position_mm, point.displacement_mm)]
@@ -386,6 +412,8 @@ def test_a_missing_material_card_is_named(tmp_path):
     nodes = "\n".join([lines[0]] + [line + ",0,0,0" for line in lines[1:]]) + "\n"
     for suffix, text in (("nodes", nodes), ("quads", FACES), ("chords", CHORDS)):
         (tmp_path / f"healthy_{suffix}.csv").write_text(text)
-    (tmp_path / "healthy_materials_and_step_excerpt.txt").write_text("*Material, name=other\n*Density\n1e-9\n")
+    (tmp_path / "healthy_materials_and_step_excerpt.txt").write_text(
+        "*Material, name=other\n*Density\n1e-9\n"
+    )
     with pytest.raises(InputFault, match="no \\*shell section card with material VUANISO_ISO_front_Leaflet"):
         texas_case(tmp_path, "equibiaxial")

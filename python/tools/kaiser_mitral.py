@@ -33,11 +33,11 @@ def kaiser_case(folder: Path) -> Case:
     names = {id: row.text("leaflet") for id, row in rows.items()}
     law = kaiser_law(folder / "law.txt")
     comment = [
-        "Mitral valve of the Kaiser-McQueen-Peskin design-based generator (BSD 3-Clause, Alexander D. Kaiser;",
-        "arXiv 1902.00018). Open shape: its equilibrium at no pressure, which is not free of stress there.",
-        "closed_reference.vtp: its equilibrium under pressure, without contact between the leaflets; nodes move",
-        "2.2-2.6 mm on average. Expect the same belly, not the same nodes: the leaflet springs here are others.",
-        "Frame: the generator's, anterior to +x in the ct cases; no patient frame is given, LPS is our label.",
+        "Mitral valve of the Kaiser-McQueen-Peskin generator (BSD 3-Clause, Alexander D. Kaiser; arXiv",
+        "1902.00018). Open shape: its equilibrium at no pressure, which is not free of stress there.",
+        "closed_reference.vtp: its equilibrium under pressure, without contact between the leaflets; nodes",
+        "move 2.2-2.6 mm on average. Expect the same belly, not the same nodes: the leaflet springs differ.",
+        "Frame: the generator's, anterior to +x in the ct cases; no patient frame is given; LPS is ours.",
     ]
     return Case(
         f"Kaiser mitral {folder.resolve().name}",
@@ -68,15 +68,16 @@ def kaiser_law(path: Path) -> dict[str, float]:
 
 
 def kaiser_leaflets(path: Path, points: dict[str, Point], names: dict[str, str]) -> dict[str, Leaflet]:
-    """Faces go to the leaflet of most of their nodes; at a tie, which happens in the commissures, of the first."""
+    """Faces go to the leaflet of most of their nodes; at a tie, as in the commissures, of the first."""
     tissue = Tissue(
         0.3,
         0.05,
         8.0,
         comment=[
-            "Springs for a mesh whose lengths were taken in the body, where the tissue is prestrained: 0.3 MPa to a",
-            "strain of 0.05, 8 MPa beyond. Our choice; an excised-tissue knee of 0.25 would stretch the area by 60 %.",
-            "At 100 mmHg they give 5-6 % strain; between the generator's two states its fibres stretch by 3-4 %.",
+            "Springs for a mesh whose lengths were taken in the body, where the tissue is prestrained: 0.3 MPa",
+            "to a strain of 0.05, 8 MPa beyond. Our choice; a knee of 0.25, as for excised tissue, would stretch",
+            "the area by 60 %. At 100 mmHg these give 5-6 % strain; from the relaxed to the pressurised state",
+            "the generator's own fibres stretch by 2.6 % around and 4 % along the leaflets (medians, ct_64).",
         ],
     )
     leaflets: dict[str, Leaflet] = {}
@@ -91,9 +92,9 @@ def kaiser_leaflets(path: Path, points: dict[str, Point], names: dict[str, str])
 def kaiser_chords(path: Path, points: dict, names: dict[str, str], law: dict) -> dict[str, ChordGroup]:
     """Chord springs as rods, in groups by the leaflet that their tree inserts in.
 
-    The generator's tension is T = k (eta E + y0), E = length / rest - 1, above E = 0.145, which all springs pass
-    when closed. That line reaches zero at E0 = -y0 / eta = 0.125, so the rod that lies on it has the rest length
-    rest (1 + E0) and the stiffness EA = k eta (1 + E0). The soft toe below is left out.
+    The generator's tension is T = k (eta E + y0), E = length / rest - 1, above E = 0.145, which all springs
+    pass when closed. That line reaches zero at E0 = -y0 / eta = 0.125, so the rod that lies on it has the
+    rest length rest (1 + E0) and the stiffness EA = k eta (1 + E0). The soft toe below is left out.
     """
     onset = -law["y0"] / law["eta"]
     rows = read_table(path, ["i", "j", "kind", "rest_mm", "k_dyn"])
@@ -107,8 +108,8 @@ def kaiser_chords(path: Path, points: dict, names: dict[str, str], law: dict) ->
         rest_mm = row.positive("rest_mm") * (1.0 + onset)
         segments.append((names[b], (a, b, rest_mm, stiffness_n / KAISER_CHORD_MODULUS_MPA)))
     comment = [
-        f"Rods on the linear branch of the generator's law: rest lengths are {1.0 + onset:g} times the table's, areas",
-        f"are the stiffness EA over {KAISER_CHORD_MODULUS_MPA:g} MPa and not anatomical.",
+        f"Rods on the linear branch of the generator's law: rest lengths are {1.0 + onset:g} times the",
+        f"table's, areas are the stiffness EA over {KAISER_CHORD_MODULUS_MPA:g} MPa and not anatomical.",
     ]
     groups: dict[str, ChordGroup] = {}
     for tree, segment in segments:

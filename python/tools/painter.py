@@ -1,4 +1,4 @@
-"""A small painter: shaded triangles and round lines, drawn from the farthest to the nearest, on a matplotlib axis.
+"""A small painter: shaded triangles and round lines on a matplotlib axis, drawn from far to near.
 
 No graphics hardware is needed, so the same picture comes out on a laptop and on a build server.
 """
@@ -16,7 +16,7 @@ KEY_LIGHT = np.array([-0.45, 0.65, 0.75]) / np.linalg.norm([-0.45, 0.65, 0.75])
 
 @dataclass
 class Strokes:
-    """Things to be painted: polygons (2 points make a line), colours, line widths [pt], depth towards the viewer."""
+    """Things to be painted: polygons (2 points are a line), colours, line widths [pt], nearness [mm]."""
 
     outlines: list[np.ndarray]
     faces: np.ndarray
@@ -67,9 +67,9 @@ def shade(normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def surface(corners: np.ndarray, normals: np.ndarray, colours: np.ndarray, gloss: float = 1.0) -> Strokes:
-    """Shaded triangles from corners (m, 3, 3) and normals (m, 3), both in the viewer's frame, and RGB (m, 3)."""
+    """Shaded triangles: corners (m, 3, 3) and normals (m, 3) in the viewer's frame, RGB (m, 3)."""
     brightness, highlight = shade(unit(normals))
-    # Shadows keep their colour: they grow more saturated as they darken, as skin and tissue do, instead of grey.
+    # Shadows grow more saturated as they darken, as tissue does, instead of grey.
     light = brightness[:, None]
     rgb = np.clip(colours ** np.clip(1.9 - 0.9 * light, 0.8, 1.6) * (0.5 + 0.5 * light), 0.0, 1.0)
     rgb = np.clip(rgb + gloss * highlight[:, None], 0.0, 1.0)

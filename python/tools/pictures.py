@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Draws valves: the surfaces and chordae that coapt reads and writes, shaded, to scale, without graphics hardware.
+"""Draws valves: the surfaces and chordae that coapt reads and writes, shaded and to scale, on any machine.
 
     pictures.py DIR_OR_FILES... -o picture.png [--views above,side,front] [--color strain]
 
-Each surface file is a column, each view a row. A folder gives its `leaflet_*.vtp` together as one valve, and every
-other surface in it (`open.vtp`, `closed.vtp`, ...) as one each; a file of lines belongs to the surface before it.
-Needs numpy and matplotlib. Exit status: 0 written, 2 wrong usage or wrong input. See README.md beside this file.
+Each surface file is a column, each view a row. A folder gives its `leaflet_*.vtp` together as one valve, and
+every other surface in it (`open.vtp`, `closed.vtp`, ...) as one each; a file of lines belongs to the surface
+before it. Needs numpy and matplotlib. Exit status: 0 written, 2 wrong usage or wrong input. See README.md.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def welded(parts: list[PolyData]) -> PolyData:
 
 
 def one_valve(title: str, parts: list[PolyData], chords: list[PolyData]) -> Valve:
-    """A valve from its leaflets' files, or from a file that holds all; its cell array `leaflet` tells them apart."""
+    """A valve from its leaflets' files, or from one file whose cell array `leaflet` tells them apart."""
     counted = np.concatenate([np.full(len(part.triangles), number) for number, part in enumerate(parts)])
     surface = welded(parts)
     leaflet = np.asarray(surface.triangle_arrays.get("leaflet", counted)).astype(int)
@@ -94,7 +94,7 @@ def one_valve(title: str, parts: list[PolyData], chords: list[PolyData]) -> Valv
 
 
 def files_of(folder: Path) -> tuple[list[Path], list[Path]]:
-    """The `.vtp` files of a folder: leaflets of a scene with its chords, and all others, surfaces before lines."""
+    """The `.vtp` files of a folder: leaflets of a scene with its chords, and all others."""
     files = sorted(folder.glob("*.vtp"))
     leaflets = [file for file in files if file.name.startswith("leaflet_")]
     chords = [file for file in files if file.name.startswith("chords_")] if leaflets else []
@@ -151,7 +151,7 @@ def named_anterior(parts: list[PolyData]) -> np.ndarray | None:
 
 
 def valve_frame(valve: Valve, anterior: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Origin and axes (rows x, y anterior, z to the atrium): the annulus plane if marked, else the file's axes."""
+    """Origin and axes (rows x, y anterior, z atrial): the annulus plane if marked, else the file's axes."""
     everything = valve.surface.points
     ring = everything[annulus_mask(valve.surface)]
     up = np.array([0.0, 0.0, 1.0])
@@ -254,7 +254,7 @@ def valve_layers(valve: Valve, frame, view: np.ndarray, options, scale) -> list[
     dense = sum(len(data.segments) for data in valve.chords) > 600
     for data in valve.chords:
         ends = ((data.points - origin) @ turn)[data.segments]
-        # The dark rim lies behind by more than a piece is long, else the next piece's rim would cover this one.
+        # The dark rim lies behind by more than a piece is long, else the next rim would cover this piece.
         layers.append(painter.lines(ends, CHORD_EDGE_RGB, 1.3 if dense else 1.8, -0.7))
         layers.append(painter.lines(ends, CHORD_RGB, 0.6 if dense else 1.0, 0.05))
     return [layer for layer in layers if len(layer.depth)]
@@ -322,7 +322,7 @@ def draw(valves: list[Valve], options: argparse.Namespace) -> None:
 
 
 def figure_for(boxes: list[np.ndarray], columns: int, bar: bool):
-    """A figure whose panels have the shape of what they show; every row has the same scale along its columns."""
+    """A figure whose panels have the shape of what they show; one scale along each row."""
     width = 4.6
     spans = [(box[1] - box[0]) + 0.18 * (box[1] - box[0]).max() for box in boxes]
     heights = [width * span[1] / span[0] for span in spans]

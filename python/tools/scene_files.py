@@ -1,7 +1,7 @@
-"""A case in memory and the scene folder that it becomes: `scene.toml`, a `.vtp` per leaflet and per chord group.
+"""A case and the scene folder that it becomes: `scene.toml`, a `.vtp` per leaflet and per chord group.
 
-Numbers are written with all their digits, in an order that depends on the case alone. The `.vtp` files are ASCII
-VTK XML PolyData with the patient frame in a field-data string array `SPACE`, as 3D Slicer reads and writes it.
+Numbers are written with all their digits, in an order that depends on the case alone. The `.vtp` files are
+ASCII VTK XML PolyData with the patient frame in a field-data string array `SPACE`, as 3D Slicer has it.
 """
 
 from __future__ import annotations
@@ -129,8 +129,8 @@ def dot(a: Vector, b: Vector) -> float:
 def orient_to_atrium(case: Case) -> None:
     """Turns whole leaflets round whose faces run clockwise along the annulus, seen from the atrium.
 
-    The atrium is where the annulus lies as seen from the leaflets' nodes. Summed face normals would not do: those
-    of an open valve that hangs like a tube nearly cancel.
+    The atrium is where the annulus lies as seen from the leaflets' nodes. Summed face normals would not do:
+    those of an open valve that hangs like a tube nearly cancel.
     """
     ids = list(dict.fromkeys(id for leaflet in case.leaflets.values() for id in leaflet_ids(leaflet)))
     ring = [case.points[id].position_mm for id in ids if case.points[id].annulus]
@@ -271,7 +271,7 @@ def chord_vtp(case: Case, group: ChordGroup) -> str:
 
 
 def closed_vtp(case: Case) -> str:
-    """All leaflets where the tables say they end up; cell array `leaflet` counts them in the scene's order."""
+    """All leaflets where the tables say they end up; cell array `leaflet` counts as the scene does."""
     ids = list(dict.fromkeys(id for leaflet in case.leaflets.values() for id in leaflet_ids(leaflet)))
     number = {id: index for index, id in enumerate(ids)}
     faces = [[number[id] for id in face] for leaflet in case.leaflets.values() for face in leaflet.faces]
@@ -307,9 +307,11 @@ def polydata(
     """A VTK XML PolyData file."""
     frame = " ".join(str(ord(letter)) for letter in space) + " 0"
     parts = [
-        '<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian">\n<PolyData>\n',
+        '<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian">\n',
+        "<PolyData>\n",
         f'<FieldData>\n<Array type="String" Name="SPACE" NumberOfTuples="1" format="ascii">{frame}</Array>\n',
-        f'</FieldData>\n<Piece NumberOfPoints="{len(points)}" NumberOfVerts="0" NumberOfLines="{len(lines)}" ',
+        "</FieldData>\n",
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfVerts="0" NumberOfLines="{len(lines)}" ',
         f'NumberOfStrips="0" NumberOfPolys="{len(polys)}">\n',
         f"<PointData>\n{''.join(point_arrays)}</PointData>\n<CellData>\n{''.join(cell_arrays)}</CellData>\n",
         f"<Points>\n{data_array('Points', points)}</Points>\n",

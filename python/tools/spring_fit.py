@@ -6,17 +6,17 @@ W = C0/2 (I1 - 3) + C1/2 (exp(C2 (I1 - 3)^2) - 1). With W1 = dW/dI1 its nominal 
     equibiaxial  P = 2 W1 (s - s^-5),   I1 = 2 s^2 + s^-4
     uniaxial     P = 2 W1 (s - s^-2),   I1 = s^2 + 2/s
 
-and the Cauchy stress is P s in both. A regular triangular lattice of springs, stress sigma(e) at spring strain e,
-carries the nominal stress 1.5 sigma(e) when stretched equibiaxially (tension N = 1.5 t sigma(e) / (1 + e) per
-current length), and sigma(e) when pulled uniaxially along a spring, where the slanting springs go slack. So the
-springs should follow sigma(e) = P(1 + e) / c, c = 1.5 or 1, and thickness drops out.
+and the Cauchy stress is P s in both. A regular triangular lattice of springs, stress sigma(e) at spring strain
+e, carries the nominal stress 1.5 sigma(e) when stretched equibiaxially (tension N = 1.5 t sigma(e) / (1 + e)
+per current length), and sigma(e) when pulled uniaxially along a spring, where the slanting springs carry
+nothing. So the springs should follow sigma(e) = P(1 + e) / c, c = 1.5 or 1, and thickness drops out.
 
 The fit makes the *strain* right at a given tension, because the strain at the working tension decides the
 closed shape. Samples are evenly spaced in Cauchy stress up to the largest working stress.
 
-**Chordae.** Abaqus' Ogden form W = sum 2 mu_i / alpha_i^2 (s1^alpha_i + s2^alpha_i + s3^alpha_i - 3) has the initial
-shear modulus sum mu_i, so an incompressible rod starts with Young's modulus E = 3 sum mu_i, and its nominal stress
-is P = sum 2 mu_i / alpha_i (s^(alpha_i - 1) - s^(-alpha_i / 2 - 1)).
+**Chordae.** Abaqus' Ogden form W = sum 2 mu_i / alpha_i^2 (s1^alpha_i + s2^alpha_i + s3^alpha_i - 3) has the
+initial shear modulus sum mu_i, so an incompressible rod starts with Young's modulus E = 3 sum mu_i, and its
+nominal stress is P = sum 2 mu_i / alpha_i (s^(alpha_i - 1) - s^(-alpha_i / 2 - 1)).
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ def spring_targets(law: ExponentialLaw, cauchy_max_mpa: float, state: str, count
 
 
 def fit_springs(law: ExponentialLaw, cauchy_max_mpa: float, state: str = "equibiaxial") -> SpringFit:
-    """Bilinear springs that follow the law up to the largest working Cauchy stress, least squares in strain."""
+    """Bilinear springs that follow the law up to a Cauchy stress [MPa], least squares in strain."""
     targets = spring_targets(law, cauchy_max_mpa, state)
 
     def springs_at(logs: list[float]) -> BilinearSprings:
@@ -154,7 +154,7 @@ def nelder_mead(
 
 
 def beyond(function: Callable, centre: list[float], worst: list[float], factor: float) -> list:
-    """Value and place of the point that lies from the worst through the centre, `factor` times as far beyond."""
+    """Value and place of the point beyond the centre, `factor` times as far from it as the worst."""
     point = [c + factor * (c - w) for c, w in zip(centre, worst)]
     return [function(point), point]
 

@@ -134,8 +134,8 @@ def report(case: Case, files: list[Path]) -> str:
         lines.append(f"leaflet {name}: {len(leaflet.faces)} faces, thickness {leaflet.thickness_mm:g} mm")
         if tissue:
             lines.append(
-                f"  springs {tissue.pre_transition_modulus_mpa:g} MPa to strain {tissue.transition_strain:g}, "
-                f"then {tissue.post_transition_modulus_mpa:g} MPa"
+                f"  springs {tissue.pre_transition_modulus_mpa:g} MPa "
+                f"to strain {tissue.transition_strain:g}, then {tissue.post_transition_modulus_mpa:g} MPa"
             )
             lines += [f"  {line}" for line in tissue.comment]
     for name, group in case.chords.items():

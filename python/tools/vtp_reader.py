@@ -1,7 +1,7 @@
 """Reads the `.vtp` files that coapt and its tools write, with numpy alone.
 
-VTK XML PolyData, little endian, arrays either ASCII or appended raw with UInt64 (or UInt32) lengths, uncompressed.
-Every other encoding is refused by name; ParaView and 3D Slicer can save one of these.
+VTK XML PolyData, little endian, arrays either ASCII or appended raw with UInt64 (or UInt32) lengths,
+uncompressed. Every other encoding is refused by name; ParaView and 3D Slicer can save one of these.
 """
 
 from __future__ import annotations
