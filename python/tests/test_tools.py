@@ -95,6 +95,26 @@ def test_scene_says_what_the_tables_say(tmp_path):
     ]
 
 
+def test_the_library_knows_every_key_that_is_written(tmp_path):
+    """The scene's types refuse unknown keys, so each key must be a field there."""
+    source = (ROOT / "crates" / "coapt" / "src" / "scene.rs").read_text(encoding="utf-8")
+    arguments = [*write_tables(tmp_path), "--tissue", "0.1", "0.2", "3"]
+    assert main(["tables", str(tmp_path / "out"), *arguments]) == 0
+
+    def keys(value):
+        for item in value if isinstance(value, list) else []:
+            yield from keys(item)
+        for key, item in value.items() if isinstance(value, dict) else []:
+            yield key
+            yield from keys(item)
+
+    written = set(keys(read_toml(tmp_path / "out" / "scene.toml")))
+    assert {"transition_strain", "insertion_tolerance_mm", "displacements_mm"} <= written
+    # `law` is the tag of the tissue's enum and no field.
+    assert 'tag = "law"' in source
+    assert [key for key in sorted(written - {"law"}) if f" {key}: " not in source] == []
+
+
 def test_arrays_keep_every_digit_and_their_order(tmp_path):
     assert main(["tables", str(tmp_path / "out"), *write_tables(tmp_path)]) == 0
     front, root = tmp_path / "out" / "leaflet_front.vtp", tmp_path / "out" / "chords_root.vtp"

@@ -74,10 +74,11 @@ def kaiser_leaflets(path: Path, points: dict[str, Point], names: dict[str, str])
         0.05,
         8.0,
         comment=[
-            "Springs for a mesh whose lengths were taken in the body, where the tissue is prestrained: 0.3 MPa",
-            "to a strain of 0.05, 8 MPa beyond. Our choice; a knee of 0.25, as for excised tissue, would stretch",
-            "the area by 60 %. At 100 mmHg these give 5-6 % strain; from the relaxed to the pressurised state",
-            "the generator's own fibres stretch by 2.6 % around and 4 % along the leaflets (medians, ct_64).",
+            "Springs for a mesh whose lengths were taken in the body, where the tissue is prestrained:",
+            "0.3 MPa to a strain of 0.05, 8 MPa beyond. Our choice; a knee of 0.25, as for excised tissue,",
+            "would stretch the area by 60 %. At 100 mmHg these give 5-6 % strain; from the relaxed to the",
+            "pressurised state the generator's own fibres stretch by 2.6 % around and 4 % along the leaflets",
+            "(medians, ct_64).",
         ],
     )
     leaflets: dict[str, Leaflet] = {}

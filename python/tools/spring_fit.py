@@ -6,7 +6,7 @@ W = C0/2 (I1 - 3) + C1/2 (exp(C2 (I1 - 3)^2) - 1). With W1 = dW/dI1 its nominal 
     equibiaxial  P = 2 W1 (s - s^-5),   I1 = 2 s^2 + s^-4
     uniaxial     P = 2 W1 (s - s^-2),   I1 = s^2 + 2/s
 
-and the Cauchy stress is P s in both. A regular triangular lattice of springs, stress sigma(e) at spring strain
+and the Cauchy stress is P s in both. A regular triangular lattice of springs, stress sigma(e) at strain
 e, carries the nominal stress 1.5 sigma(e) when stretched equibiaxially (tension N = 1.5 t sigma(e) / (1 + e)
 per current length), and sigma(e) when pulled uniaxially along a spring, where the slanting springs carry
 nothing. So the springs should follow sigma(e) = P(1 + e) / c, c = 1.5 or 1, and thickness drops out.
