@@ -246,3 +246,15 @@ def test_a_folder_of_results_is_one_column_each_with_chords_to_the_closed_state(
         ("closed", 1),
         ("after", 0),
     ]
+
+
+def test_lines_named_for_a_state_belong_to_it(tmp_path):
+    """Lines of another length for each state show which went where."""
+    for number, name in enumerate(("open", "closed", "after", "x"), start=1):
+        square(tmp_path / f"{name}.vtp")
+        file = f"chords_{name}.vtp" if name == "after" else f"{name}_chords.vtp"
+        points = [(0.0, 0.0, 0.0), (0.0, 0.0, -float(number))]
+        (tmp_path / file).write_text(polydata("LPS", points, lines=[[0, 1]]))
+    valves = pictures.read_valves([tmp_path])
+    found = [(valve.title, [data.points[1, 2] for data in valve.chords]) for valve in valves]
+    assert found == [("open", [-1.0]), ("closed", [-2.0]), ("after", [-3.0]), ("x", [-4.0])]

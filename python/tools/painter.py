@@ -66,13 +66,19 @@ def shade(normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return brightness, 0.22 * np.clip(facing @ half, 0.0, 1.0) ** 28
 
 
-def surface(corners: np.ndarray, normals: np.ndarray, colours: np.ndarray, gloss: float = 1.0) -> Strokes:
-    """Shaded triangles: corners (m, 3, 3) and normals (m, 3) in the viewer's frame, RGB (m, 3)."""
+def surface(corners: np.ndarray, normals: np.ndarray, colours: np.ndarray, data: bool = False) -> Strokes:
+    """Shaded triangles: corners (m, 3, 3) and normals (m, 3) in the viewer's frame, RGB (m, 3).
+
+    Colours that stand for `data` are shaded little, so that they can be read off the colour bar.
+    """
     brightness, highlight = shade(unit(normals))
-    # Shadows grow more saturated as they darken, as tissue does, instead of grey.
     light = brightness[:, None]
-    rgb = np.clip(colours ** np.clip(1.9 - 0.9 * light, 0.8, 1.6) * (0.5 + 0.5 * light), 0.0, 1.0)
-    rgb = np.clip(rgb + gloss * highlight[:, None], 0.0, 1.0)
+    if data:
+        rgb = np.clip(colours * (0.7 + 0.3 * light) + 0.3 * highlight[:, None], 0.0, 1.0)
+    else:
+        # Shadows grow more saturated as they darken, as tissue does, instead of grey.
+        rgb = colours ** np.clip(1.9 - 0.9 * light, 0.8, 1.6) * (0.5 + 0.5 * light)
+        rgb = np.clip(rgb + highlight[:, None], 0.0, 1.0)
     # Edges in the face's colour hide the hairlines that antialiasing leaves between neighbours.
     widths = np.full(len(corners), 0.6)
     return Strokes(list(corners[:, :, :2]), rgb, rgb, widths, corners[:, :, 2].mean(axis=1))

@@ -11,6 +11,7 @@ before it. Needs numpy and matplotlib. Exit status: 0 written, 2 wrong usage or 
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections import Counter
 from dataclasses import dataclass, field
@@ -45,7 +46,7 @@ VIEW_WORDS = {
     "side": "from the side",
     "oblique": "from the atrium, oblique",
 }
-MODERATE_TRIANGLES = 9000
+TRIANGLES_AT_MOST = 24000
 
 
 @dataclass
@@ -98,10 +99,16 @@ def files_of(folder: Path) -> tuple[list[Path], list[Path]]:
     files = sorted(folder.glob("*.vtp"))
     leaflets = [file for file in files if file.name.startswith("leaflet_")]
     chords = [file for file in files if file.name.startswith("chords_")] if leaflets else []
-    # The open state before the closed one, and what is done to the valve after that.
-    known = {"open": 0, "before": 1, "closed": 2, "chords": 3, "after": 4}
     rest = [file for file in files if file not in leaflets and file not in chords]
-    return leaflets + chords, sorted(rest, key=lambda file: (known.get(file.stem, 5), file.stem))
+    return leaflets + chords, sorted(rest, key=reading_order)
+
+
+def reading_order(file: Path) -> tuple:
+    """Open before closed before what is done after that; `chords` follows `closed`, `open_chords` `open`."""
+    state = re.sub(r"^chords_?|_?chords$", "", file.stem)
+    lines = state != file.stem
+    known = {"open": 0, "before": 1, "closed": 2, "": 2, "after": 4}
+    return known.get(state, 5), state or "closed", lines
 
 
 def read_valves(paths: list[Path]) -> list[Valve]:
@@ -225,7 +232,7 @@ def surface_strokes(
     scalar = triangle_scalar(data, options.color) if options.color else None
     scalar = np.full(data.triangles.shape, np.nan) if scalar is None else scalar
     corners = np.concatenate([points[data.triangles], normals[data.triangles], scalar[:, :, None]], axis=2)
-    while not options.flat and len(corners) * 4 <= 2 * MODERATE_TRIANGLES:
+    while not options.flat and len(corners) * 4 <= TRIANGLES_AT_MOST:
         corners, leaflet = painter.subdivided(corners), np.repeat(leaflet, 4)
     places = corners[:, :, :3]
     flat = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
@@ -237,7 +244,7 @@ def surface_strokes(
     values = corners[:, :, 6].mean(axis=1)
     rgb = plt.get_cmap(options.map)(scale(np.nan_to_num(values)))[:, :3]
     rgb = np.where(np.isfinite(values)[:, None], rgb, MISSING_RGB)
-    return painter.surface(places, facing, rgb, gloss=0.3)
+    return painter.surface(places, facing, rgb, data=True)
 
 
 def valve_layers(valve: Valve, frame, view: np.ndarray, options, scale) -> list[painter.Strokes]:
