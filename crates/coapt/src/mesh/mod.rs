@@ -1,1 +1,6 @@
 //! Triangles, edges, loops, landmarks; the parametric valve.
+
+pub mod landmarks;
+pub mod point_grid;
+pub mod polyline;
+pub mod topology;

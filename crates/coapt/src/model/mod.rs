@@ -1,7 +1,21 @@
 //! Everything that stays constant while the valve relaxes.
 
+mod annulus;
+mod attachment;
+mod build;
+mod chordae;
+mod faults;
+#[cfg(test)]
+pub(crate) mod fixtures;
+mod springs;
+mod surface;
+mod validate;
+
+pub use build::Built;
+
 use crate::Vec3;
 use crate::energy::{bilinear_spring::Springs, chord::Chords};
+pub use crate::mesh::landmarks::AnnulusLandmarks;
 use crate::scene::{Contact, Settings};
 
 /// A valve ready to be closed. Vertices: leaflets first, then chord nodes, then papillary tips.
@@ -29,7 +43,8 @@ pub struct Model {
     pub pressure_mpa: f64,
     /// How leaflets touch.
     pub contact: Contact,
-    /// Annulus vertices in order around the orifice, counter-clockwise seen from the atrium.
+    /// Annulus vertices in order around the orifice, counter-clockwise seen from the atrium. For a single patch that
+    /// is held on part of its border only: those vertices, in that order.
     pub annulus: Vec<u32>,
     /// Free margins: every other boundary loop or open boundary chain, in order.
     pub margins: Vec<Margin>,
@@ -68,23 +83,6 @@ pub struct Papillary {
     pub name: String,
     /// Its tips, as vertices.
     pub tips: Vec<u32>,
-}
-
-/// Landmarks as indices into [`Model::annulus`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AnnulusLandmarks {
-    /// Middle of the anterior annulus.
-    pub mid_anterior: usize,
-    /// Middle of the posterior annulus.
-    pub mid_posterior: usize,
-    /// Anterolateral commissure.
-    pub commissure_anterolateral: usize,
-    /// Posteromedial commissure.
-    pub commissure_posteromedial: usize,
-    /// Left trigone.
-    pub trigone_left: usize,
-    /// Right trigone.
-    pub trigone_right: usize,
 }
 
 /// A Dirichlet vertex.

@@ -1,0 +1,340 @@
+//! From a scene to a model: the steps in order, each refusing what the next could not bear.
+
+use super::annulus::{self, Found};
+use super::chordae::{self, Strung};
+use super::faults::Faults;
+use super::surface::{self, Surface};
+use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
+use super::{springs, validate};
+use crate::Vec3;
+use crate::mesh::landmarks::{self, LandmarkInput};
+use crate::mesh::polyline;
+use crate::mesh::topology::{self, Chain, Edges};
+use crate::scene::{Fault, Scene};
+
+/// A model, and what the reader must know of how it came about.
+#[derive(Clone, Debug)]
+pub struct Built {
+    /// The model.
+    pub model: Model,
+    /// Repairs of the input, guesses, doubts.
+    pub warnings: Vec<Fault>,
+}
+
+impl Model {
+    /// Checks a scene and makes it ready to be closed.
+    ///
+    /// Leaflets are welded, cleaned and turned to the atrium, the annulus and its landmarks are found, spring and
+    /// chord constants computed. What is repaired or guessed on the way is told in [`Built::warnings`].
+    ///
+    /// # Errors
+    /// All faults found up to the step that cannot go on, at most 20 errors and 20 warnings and how many more.
+    /// Mesh files must have been read into the scene (`coapt-io` does).
+    pub fn build(scene: &Scene) -> Result<Built, Vec<Fault>> {
+        let mut faults = Faults::default();
+        validate::scene(scene, &mut faults);
+        faults.stop()?;
+        surface::check_units(scene, &mut faults);
+        faults.stop()?;
+        let mut surface = surface::merge(scene, &mut faults);
+        surface::clean(&mut surface, &mut faults);
+        faults.stop()?;
+        let edges = surface::check_shape(&mut surface, &mut faults);
+        faults.stop()?;
+        let tips: Vec<Vec3> = scene
+            .papillary
+            .iter()
+            .flat_map(|m| &m.tips_mm)
+            .map(|&t| Vec3::from(t))
+            .collect();
+        let mut loops = topology::chains(&topology::boundary_edges(&surface.faces, &edges));
+        let found = annulus::find(&surface, &loops, scene, &tips, &mut faults);
+        faults.stop()?;
+        let mut found = found.ok_or_else(Vec::new)?;
+        annulus::face_atrium(&mut surface, &mut found, &mut loops, &tips, &mut faults);
+        let strung = chordae::string(scene, &surface.points, &tips, &mut faults);
+        check_ties(&surface, &edges, &found, &strung, &mut faults);
+        faults.stop()?;
+        let model = assemble(scene, &surface, &edges, &found, &loops, strung, &mut faults);
+        faults.stop()?;
+        Ok(Built {
+            model,
+            warnings: faults.into_warnings(),
+        })
+    }
+}
+
+/// Every connected part of the leaflets must hang on the annulus or on a chord.
+fn check_ties(surface: &Surface, edges: &Edges, found: &Found, strung: &Strung, faults: &mut Faults) {
+    let (component, count) = topology::components(surface.faces.len(), edges);
+    let mut held = vec![false; surface.points.len()];
+    let chord_ends = strung.chords.ends.iter().flatten();
+    for &vertex in found.annulus.vertices.iter().chain(chord_ends) {
+        if let Some(slot) = held.get_mut(vertex as usize) {
+            *slot = true;
+        }
+    }
+    let mut tied = vec![false; count];
+    let mut size = vec![0; count];
+    for (face, &part) in component.iter().enumerate() {
+        size[part as usize] += 1;
+        tied[part as usize] |= surface.faces[face].iter().any(|&v| held[v as usize]);
+    }
+    for part in (0..count).filter(|&part| !tied[part]) {
+        let first = component.iter().position(|&c| c as usize == part).unwrap_or(0);
+        let message = format!(
+            "a component of {} faces is free to fly away: no annulus and no chord holds it",
+            size[part]
+        );
+        faults.error(surface.face_name(first), message);
+    }
+}
+
+fn assemble(
+    scene: &Scene,
+    surface: &Surface,
+    edges: &Edges,
+    found: &Found,
+    loops: &[Chain],
+    strung: Strung,
+    faults: &mut Faults,
+) -> Model {
+    let mut rest_mm = surface.points.clone();
+    rest_mm.extend(strung.nodes);
+    let (papillary, tip_targets) = tips(scene, &mut rest_mm);
+    let mut prescribed = annulus_targets(surface, found);
+    prescribed.extend(tip_targets);
+    let leaflet_vertex_count = surface.points.len();
+    if found.annulus.vertices.len() == leaflet_vertex_count {
+        faults.warning("leaflets", "every leaflet point is annulus: nothing can move");
+    }
+    let tissue = |leaflet: &crate::scene::Leaflet| LeafletTissue {
+        name: leaflet.name.clone(),
+        thickness_mm: leaflet.thickness_mm,
+    };
+    Model {
+        name: scene.name.clone(),
+        landmarks: find_landmarks(scene, surface, edges, found, faults),
+        springs: springs::springs(surface, edges, &scene.leaflets),
+        chords: strung.chords,
+        rest_mm,
+        leaflet_vertex_count,
+        faces: surface.faces.clone(),
+        face_leaflet: surface.face_leaflet.clone(),
+        leaflets: scene.leaflets.iter().map(tissue).collect(),
+        chord_groups: scene.chordae.iter().map(|group| group.name.clone()).collect(),
+        pressure_mpa: scene.load.pressure_mpa().unwrap_or(0.0),
+        contact: scene.contact,
+        annulus: found.annulus.vertices.clone(),
+        margins: annulus::margins(found, loops),
+        papillary,
+        prescribed,
+        settings: scene.settings,
+    }
+}
+
+/// Appends the tips as vertices; gives each muscle's vertices and each tip's target.
+fn tips(scene: &Scene, rest_mm: &mut Vec<Vec3>) -> (Vec<Papillary>, Vec<Prescribed>) {
+    let (mut papillary, mut targets) = (Vec::new(), Vec::new());
+    for muscle in &scene.papillary {
+        let first = rest_mm.len() as u32;
+        for (tip, &at) in muscle.tips_mm.iter().enumerate() {
+            let motion = muscle.displacements_mm.get(tip).copied().unwrap_or_default();
+            let vertex = rest_mm.len() as u32;
+            rest_mm.push(Vec3::from(at));
+            targets.push(Prescribed {
+                vertex,
+                target_mm: Vec3::from(at) + Vec3::from(motion),
+            });
+        }
+        papillary.push(Papillary {
+            name: muscle.name.clone(),
+            tips: (first..rest_mm.len() as u32).collect(),
+        });
+    }
+    (papillary, targets)
+}
+
+fn annulus_targets(surface: &Surface, found: &Found) -> Vec<Prescribed> {
+    let mut vertices = found.annulus.vertices.clone();
+    vertices.sort_unstable();
+    let target = |vertex: u32| {
+        let motion = surface.displacement[vertex as usize].unwrap_or_else(Vec3::zeros);
+        surface.points[vertex as usize] + motion
+    };
+    let prescribe = |vertex| Prescribed {
+        vertex,
+        target_mm: target(vertex),
+    };
+    vertices.into_iter().map(prescribe).collect()
+}
+
+fn find_landmarks(
+    scene: &Scene,
+    surface: &Surface,
+    edges: &Edges,
+    found: &Found,
+    faults: &mut Faults,
+) -> AnnulusLandmarks {
+    let ring = annulus::positions(surface, &found.ring);
+    let mean = |tips: &[[f64; 3]]| tips.iter().map(|&t| Vec3::from(t)).sum::<Vec3>() / tips.len() as f64;
+    let muscles = scene.papillary.iter().filter(|muscle| !muscle.tips_mm.is_empty());
+    let papillary: Vec<(&str, Vec3)> = muscles.map(|m| (m.name.as_str(), mean(&m.tips_mm))).collect();
+    let names: Vec<&str> = scene
+        .leaflets
+        .iter()
+        .map(|leaflet| leaflet.name.as_str())
+        .collect();
+    let (landmarks, warnings) = landmarks::find(&LandmarkInput {
+        annulus_mm: &annulus::positions(surface, &found.annulus.vertices),
+        edge_leaflet: &edge_leaflets(surface, edges, &found.annulus.vertices),
+        leaflet_names: &names,
+        atrial: polyline::vector_area(&ring).normalize(),
+        papillary: &papillary,
+        named: &scene.landmarks,
+    });
+    faults.extend(warnings);
+    landmarks
+}
+
+/// The leaflet at each annulus edge; none where two annulus vertices in order share no boundary edge.
+fn edge_leaflets(surface: &Surface, edges: &Edges, annulus: &[u32]) -> Vec<Option<u32>> {
+    let next = annulus.iter().cycle().skip(1);
+    let leaflet = |(&a, &b): (&u32, &u32)| {
+        let edge = edges.ends.binary_search(&[a.min(b), a.max(b)]).ok()?;
+        let face = edges.faces_of(edge).first()?;
+        Some(surface.face_leaflet[*face as usize])
+    };
+    annulus.iter().zip(next).map(leaflet).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{COLUMNS, ROWS, built, faults, mesh, skirt, skirt_point, told};
+    use super::*;
+    use crate::scene::Tissue;
+
+    #[test]
+    fn a_good_valve_builds_without_a_word() {
+        let Built { model, warnings } = built(&skirt());
+        assert!(warnings.is_empty(), "{warnings:#?}");
+        assert_eq!(model.leaflet_vertex_count, COLUMNS * ROWS);
+        assert_eq!(model.rest_mm.len(), COLUMNS * ROWS + 2 + 2);
+        assert_eq!(model.faces.len(), COLUMNS * (ROWS - 1) * 2);
+        assert_eq!(model.annulus.len(), COLUMNS);
+        assert_eq!((model.margins.len(), model.margins[0].closed), (1, true));
+        assert_eq!(model.margins[0].vertices.len(), COLUMNS);
+        assert!(model.prescribed.is_sorted_by(|a, b| a.vertex < b.vertex));
+        assert_eq!(model.prescribed.len(), COLUMNS + 2);
+        let ring: Vec<Vec3> = model.annulus.iter().map(|&v| model.rest_mm[v as usize]).collect();
+        assert!(
+            polyline::vector_area(&ring).z > 0.0,
+            "counter-clockwise seen from the atrium"
+        );
+    }
+
+    #[test]
+    fn landmarks_come_from_the_leaflet_borders() {
+        let model = built(&skirt()).model;
+        let at = |index: usize| model.rest_mm[model.annulus[index] as usize];
+        let marks = model.landmarks;
+        assert_eq!(at(marks.commissure_anterolateral), Vec3::from(skirt_point(10, 0)));
+        assert_eq!(at(marks.commissure_posteromedial), Vec3::from(skirt_point(2, 0)));
+        assert_eq!(at(marks.mid_anterior), Vec3::from(skirt_point(6, 0)));
+        assert_eq!(at(marks.mid_posterior), Vec3::from(skirt_point(18, 0)));
+        assert!(at(marks.trigone_left).x < 0.0 && at(marks.trigone_right).x > 0.0);
+    }
+
+    #[test]
+    fn spring_constants_are_van_gelders() {
+        // Two equilateral triangles, E t = 2 N/mm: inside sqrt(3)/2 E t, at the border half of that.
+        let mut surface = Surface::default();
+        surface.points = [
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [0.5, 0.75_f64.sqrt()],
+            [1.5, 0.75_f64.sqrt()],
+        ]
+        .map(|[x, y]| Vec3::new(x, y, 0.0))
+        .to_vec();
+        surface.faces = vec![[0, 1, 2], [2, 1, 3]];
+        surface.face_leaflet = vec![0, 1];
+        let mut leaflets = skirt().leaflets;
+        let tissue = |soft: f64, knee: f64| Tissue::BilinearSprings {
+            pre_transition_modulus_mpa: soft,
+            transition_strain: knee,
+            post_transition_modulus_mpa: 10.0,
+            compression_modulus_ratio: 0.5,
+        };
+        leaflets[0].tissue = tissue(2.0, 0.1);
+        leaflets[1].tissue = tissue(6.0, 0.3);
+        let edges = topology::edges(&surface.faces);
+        let springs = springs::springs(&surface, &edges, &leaflets);
+        let root = 3.0_f64.sqrt() / 4.0;
+        let inner = springs.ends.iter().position(|&e| e == [1, 2]).unwrap();
+        // Rounding only: a dozen operations on numbers near 1.
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-14 * 16.0;
+        assert!(close(springs.soft_n_per_mm[inner], root * 8.0));
+        assert!(close(springs.stiff_n_per_mm[inner], root * 20.0));
+        assert!(close(springs.compression_n_per_mm[inner], root * 4.0));
+        assert!(close(
+            springs.transition_length_mm[inner],
+            1.0 + (2.0 * 0.1 + 6.0 * 0.3) / 8.0
+        ));
+        assert!(close(springs.soft_n_per_mm[0], root * 2.0));
+        assert!(close(springs.transition_length_mm[0], 1.1));
+    }
+
+    #[test]
+    fn motions_become_targets() {
+        let mut scene = skirt();
+        scene.papillary[0].displacements_mm = vec![[0.0, 0.0, 1.5]];
+        let count = mesh(&mut scene, 0).points_mm.len();
+        mesh(&mut scene, 0).annulus_displacement_mm = Some(vec![[1.0, 0.0, 0.0]; count]);
+        let model = built(&scene).model;
+        let moved = |v: u32| {
+            let target = model.prescribed.iter().find(|p| p.vertex == v).unwrap().target_mm;
+            target - model.rest_mm[v as usize]
+        };
+        assert_eq!(moved(model.papillary[0].tips[0]), Vec3::new(0.0, 0.0, 1.5));
+        assert_eq!(moved(model.annulus[model.landmarks.mid_anterior]), Vec3::x());
+        assert_eq!(moved(model.annulus[model.landmarks.mid_posterior]), Vec3::zeros());
+    }
+
+    #[test]
+    fn an_island_is_told() {
+        let mut scene = skirt();
+        let surface = mesh(&mut scene, 1);
+        let first = surface.points_mm.len() as u32;
+        surface
+            .points_mm
+            .extend([[0.0, 0.0, -10.0], [1.0, 0.0, -10.0], [0.0, 1.0, -10.0]]);
+        surface.faces.push([first, first + 1, first + 2]);
+        assert!(told(
+            &faults(&scene),
+            "leaflets[1].mesh face 64",
+            "component of 1 faces is free to fly away"
+        ));
+    }
+
+    #[test]
+    fn unreadable_units_are_guessed() {
+        for (factor, unit) in [(1e-3, "metres"), (0.1, "centimetres"), (1e3, "micrometres")] {
+            let mut scene = skirt();
+            for leaflet in 0..2 {
+                mesh(&mut scene, leaflet)
+                    .points_mm
+                    .iter_mut()
+                    .flatten()
+                    .for_each(|c| *c *= factor);
+            }
+            assert!(told(&faults(&scene), "leaflets", unit));
+        }
+    }
+
+    #[test]
+    fn equal_scenes_give_equal_models() {
+        let (a, b) = (built(&skirt()).model, built(&skirt()).model);
+        assert_eq!(format!("{a:?}"), format!("{b:?}"));
+    }
+}

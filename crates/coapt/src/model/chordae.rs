@@ -1,0 +1,366 @@
+//! Chordae ready to pull: every segment between two vertices, with rest length and stiffness.
+
+use std::collections::BTreeMap;
+
+use super::attachment::{self, Anchor, Attached, Segment};
+use super::faults::Faults;
+use crate::Vec3;
+use crate::energy::chord::Chords;
+use crate::mesh::topology::DisjointSets;
+use crate::scene::Scene;
+
+/// Rest lengths outside these multiples of the open end distance are doubted (hard limits of plausible slack and
+/// pre-stretch; our choice).
+const DOUBTFUL_SLACK: f64 = 2.0;
+const DOUBTFUL_STRETCH: f64 = 0.5;
+
+/// Chords over the vertices leaflets, `nodes`, tips, in this order.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Strung {
+    pub(crate) chords: Chords,
+    /// Positions of the chord nodes.
+    pub(crate) nodes: Vec<Vec3>,
+}
+
+/// Welds, checks and numbers the chordae.
+pub(crate) fn string(scene: &Scene, leaflet: &[Vec3], tips: &[Vec3], faults: &mut Faults) -> Strung {
+    let mut attached = attachment::attach(scene, leaflet, tips);
+    refuse_short_circuits(&attached, faults);
+    drop_duplicates(&mut attached.segments, faults);
+    check_components(&attached, tips, faults);
+    if faults.any_error() {
+        return Strung::default();
+    }
+    drop_free_ends(&mut attached, leaflet, faults);
+    number(scene, &attached, leaflet, tips, faults)
+}
+
+/// A segment between two tips, or on one point, cannot do anything.
+fn refuse_short_circuits(attached: &Attached, faults: &mut Faults) {
+    for segment in &attached.segments {
+        match segment.ends {
+            [a, b] if a == b => {
+                let message =
+                    "both its ends are welded to the same point: shorter than the tolerances in `weld`";
+                faults.error(segment.name(), message);
+            }
+            [Anchor::Tip(_), Anchor::Tip(_)] => {
+                faults.error(
+                    segment.name(),
+                    "joins two papillary tips: both its ends are prescribed",
+                );
+            }
+            _ => {}
+        }
+    }
+}
+
+fn drop_duplicates(segments: &mut Vec<Segment>, faults: &mut Faults) {
+    let mut first_of: BTreeMap<[Anchor; 2], String> = BTreeMap::new();
+    segments.retain(|segment| {
+        let [a, b] = segment.ends;
+        let name = segment.name();
+        match first_of.get(&[a.min(b), a.max(b)]) {
+            Some(first) => {
+                faults.warning(name, format!("joins the same points as {first} and is left out"));
+                false
+            }
+            None => {
+                first_of.insert([a.min(b), a.max(b)], name);
+                true
+            }
+        }
+    });
+}
+
+/// Every chord must hang on a tip, and branch without coming back to itself. Two branches that meet again in the
+/// leaflet or at a tip are no cycle.
+fn check_components(attached: &Attached, tips: &[Vec3], faults: &mut Faults) {
+    let mut sets = DisjointSets::new(attached.nodes.len());
+    for segment in &attached.segments {
+        if let [Anchor::Node(a), Anchor::Node(b)] = segment.ends
+            && !sets.join(a, b)
+        {
+            faults.error(segment.name(), "closes a cycle of chords; expected branches only");
+        }
+    }
+    let mut hangs = vec![false; attached.nodes.len()];
+    for segment in &attached.segments {
+        if let [Anchor::Node(node), Anchor::Tip(_)] | [Anchor::Tip(_), Anchor::Node(node)] = segment.ends {
+            hangs[sets.root(node) as usize] = true;
+        }
+    }
+    let mut told = vec![false; attached.nodes.len()];
+    for segment in &attached.segments {
+        let hanging = match segment.ends {
+            [Anchor::Node(node), _] | [_, Anchor::Node(node)] => {
+                let root = sets.root(node) as usize;
+                hangs[root] || std::mem::replace(&mut told[root], true)
+            }
+            ends => ends.iter().any(|end| matches!(end, Anchor::Tip(_))),
+        };
+        if !hanging {
+            let away = nearest_tip(attached, segment, tips);
+            faults.error(
+                segment.name(),
+                format!("its chord is attached to no papillary tip{away}"),
+            );
+        }
+    }
+}
+
+fn nearest_tip(attached: &Attached, segment: &Segment, tips: &[Vec3]) -> String {
+    let nodes = segment.ends.iter().filter_map(|end| match end {
+        Anchor::Node(node) => Some(attached.nodes[*node as usize]),
+        _ => None,
+    });
+    let distances = nodes.flat_map(|node| tips.iter().map(move |tip| (tip - node).norm()));
+    distances.reduce(f64::min).map_or(String::new(), |d| {
+        format!("; the nearest tip is {d:.2} mm from this segment")
+    })
+}
+
+/// Chord ends that reach nothing carry nothing: leaves them out, and again what they leave behind.
+fn drop_free_ends(attached: &mut Attached, leaflet: &[Vec3], faults: &mut Faults) {
+    loop {
+        let mut degree = vec![0; attached.nodes.len()];
+        for end in attached.segments.iter().flat_map(|s| s.ends) {
+            if let Anchor::Node(node) = end {
+                degree[node as usize] += 1;
+            }
+        }
+        let free_end = |segment: &Segment| {
+            segment.ends.iter().find_map(|end| match *end {
+                Anchor::Node(node) if degree[node as usize] == 1 => Some(attached.nodes[node as usize]),
+                _ => None,
+            })
+        };
+        let before = attached.segments.len();
+        attached.segments.retain(|segment| match free_end(segment) {
+            Some(at) => {
+                let away = leaflet.iter().map(|p| (p - at).norm()).fold(f64::INFINITY, f64::min);
+                let message = format!(
+                    "its end at ({:.2}, {:.2}, {:.2}) reaches neither tip nor leaflet and it is left out; the \
+                     nearest leaflet point is {away:.2} mm away",
+                    at.x, at.y, at.z
+                );
+                faults.warning(segment.name(), message);
+                false
+            }
+            None => true,
+        });
+        if attached.segments.len() == before {
+            return;
+        }
+    }
+}
+
+/// Gives vertices numbers and segments their constants.
+fn number(
+    scene: &Scene,
+    attached: &Attached,
+    leaflet: &[Vec3],
+    tips: &[Vec3],
+    faults: &mut Faults,
+) -> Strung {
+    let mut used = vec![false; attached.nodes.len()];
+    for end in attached.segments.iter().flat_map(|s| s.ends) {
+        if let Anchor::Node(node) = end {
+            used[node as usize] = true;
+        }
+    }
+    let kept: Vec<usize> = (0..used.len()).filter(|&n| used[n]).collect();
+    let mut number = vec![0; used.len()];
+    kept.iter()
+        .enumerate()
+        .for_each(|(i, &node)| number[node] = (leaflet.len() + i) as u32);
+    let first_tip = (leaflet.len() + kept.len()) as u32;
+    let place = |end: Anchor| match end {
+        Anchor::Leaflet(vertex) => (vertex, leaflet[vertex as usize]),
+        Anchor::Tip(tip) => (first_tip + tip, tips[tip as usize]),
+        Anchor::Node(node) => (number[node as usize], attached.nodes[node as usize]),
+    };
+    let mut chords = Chords::default();
+    for segment in &attached.segments {
+        let [(a, from), (b, to)] = segment.ends.map(place);
+        chords.ends.push([a, b]);
+        chords
+            .rest_length_mm
+            .push(rest_length(scene, segment, (to - from).norm(), faults));
+        chords.axial_stiffness_n.push(axial_stiffness(scene, segment));
+        chords.group.push(segment.group);
+    }
+    Strung {
+        chords,
+        nodes: kept.iter().map(|&node| attached.nodes[node]).collect(),
+    }
+}
+
+/// Given, else the distance between the welded ends; times the group's factor.
+fn rest_length(scene: &Scene, segment: &Segment, distance: f64, faults: &mut Faults) -> f64 {
+    let group = &scene.chordae[segment.group as usize];
+    let given = group.mesh.as_ref().and_then(|mesh| mesh.rest_length_mm.as_ref());
+    let length = given.map_or(distance, |lengths| lengths[segment.number as usize]) * group.rest_length_scale;
+    let length_text = format!("its rest length is {length:.3} mm, its ends lie {distance:.3} mm apart");
+    if !(length.is_finite() && length > 0.0) {
+        faults.error(
+            segment.name(),
+            format!("{length_text}; expected a length above 0"),
+        );
+    } else if length > DOUBTFUL_SLACK * distance || length < DOUBTFUL_STRETCH * distance {
+        faults.warning(segment.name(), format!("{length_text}; expected about the same"));
+    }
+    length
+}
+
+fn axial_stiffness(scene: &Scene, segment: &Segment) -> f64 {
+    let group = &scene.chordae[segment.group as usize];
+    let areas = group.mesh.as_ref().and_then(|mesh| mesh.area_mm2.as_ref());
+    let round = std::f64::consts::FRAC_PI_4 * group.diameter_mm.powi(2);
+    group.modulus_mpa * areas.map_or(round, |areas| areas[segment.number as usize])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{COLUMNS, ROWS, built, faults, lines, skirt, skirt_point, told};
+    use super::*;
+
+    #[test]
+    fn chords_join_tips_nodes_and_leaflets() {
+        let model = built(&skirt()).model;
+        let chords = &model.chords;
+        let nodes = (COLUMNS * ROWS) as u32;
+        assert_eq!(chords.ends.len(), 6);
+        assert_eq!(chords.ends[0], [nodes + 2, nodes]);
+        assert_eq!(
+            model.rest_mm[chords.ends[1][1] as usize],
+            Vec3::from(skirt_point(11, ROWS - 1))
+        );
+        for (i, [a, b]) in chords.ends.iter().enumerate() {
+            let open = (model.rest_mm[*a as usize] - model.rest_mm[*b as usize]).norm();
+            assert_eq!(chords.rest_length_mm[i], open);
+        }
+        // E A with the default rod of 1 mm and 30 MPa.
+        assert_eq!(chords.axial_stiffness_n[0], 30.0 * std::f64::consts::FRAC_PI_4);
+    }
+
+    #[test]
+    fn given_lengths_areas_and_factor_are_used() {
+        let mut scene = skirt();
+        scene.chordae[0].rest_length_scale = 1.1;
+        lines(&mut scene).rest_length_mm = Some(vec![10.0; 6]);
+        lines(&mut scene).area_mm2 = Some(vec![0.5; 6]);
+        let model = built(&scene).model;
+        assert_eq!(model.chords.rest_length_mm, [10.0 * 1.1; 6]);
+        assert_eq!(model.chords.axial_stiffness_n, [15.0; 6]);
+    }
+
+    #[test]
+    fn ends_are_caught_within_the_tolerance_and_drawn_points_before_them_are_not() {
+        let mut scene = skirt();
+        let mesh = lines(&mut scene);
+        let end = Vec3::from(mesh.points_mm[2]);
+        let step = (Vec3::from(mesh.points_mm[1]) - end).normalize();
+        // The last point 0.3 mm short of the leaflet, the one before it 0.8 mm.
+        mesh.points_mm[2] = (end + step * 0.3).into();
+        mesh.points_mm.push((end + step * 0.8).into());
+        mesh.segments[1] = [1, 8];
+        mesh.segments.push([8, 2]);
+        let model = built(&scene).model;
+        assert_eq!(model.rest_mm.len(), model.leaflet_vertex_count + 3 + 2);
+        assert_eq!(model.rest_mm[model.chords.ends[6][1] as usize], end);
+    }
+
+    #[test]
+    fn branches_of_different_groups_meet() {
+        let mut scene = skirt();
+        let mut other = scene.chordae[0].clone();
+        let mesh = other.mesh.as_mut().unwrap();
+        mesh.points_mm = vec![[-12.0, 0.0, -20.0], skirt_point(12, ROWS - 1)];
+        mesh.segments = vec![[0, 1]];
+        scene.chordae.push(other);
+        let model = built(&scene).model;
+        assert_eq!(model.chords.ends[6][0], model.chords.ends[0][1]);
+        assert_eq!(model.chords.group[6], 1);
+    }
+
+    #[test]
+    fn short_circuits_are_refused() {
+        let mut scene = skirt();
+        lines(&mut scene).segments.push([0, 4]);
+        assert!(told(&faults(&scene), "segment 6", "two papillary tips"));
+        lines(&mut scene).segments[6] = [0, 0];
+        assert!(told(&faults(&scene), "segment 6", "joins point 0 to itself"));
+        lines(&mut scene).points_mm.push([-12.0, -2.0, -28.005]);
+        lines(&mut scene).segments[6] = [0, 8];
+        assert!(told(&faults(&scene), "segment 6", "welded to the same point"));
+    }
+
+    #[test]
+    fn cycles_are_refused_among_nodes_only() {
+        let mut scene = skirt();
+        let mesh = lines(&mut scene);
+        mesh.points_mm.extend([[-10.0, 0.0, -18.0], [-14.0, 0.0, -18.0]]);
+        mesh.segments.extend([[1, 8], [8, 9], [9, 1]]);
+        assert!(told(&faults(&scene), "segment 8", "cycle"));
+        // Branches that meet in one leaflet point are how chordae are.
+        let mut scene = skirt();
+        let mesh = lines(&mut scene);
+        mesh.points_mm.push([-10.0, 0.0, -18.0]);
+        mesh.segments.extend([[0, 8], [8, 2]]);
+        assert_eq!(built(&scene).model.chords.ends.len(), 8);
+    }
+
+    #[test]
+    fn duplicates_and_free_ends_are_left_out() {
+        let mut scene = skirt();
+        let mesh = lines(&mut scene);
+        mesh.points_mm.extend([[-9.0, 0.0, -20.0], [-6.0, 0.0, -20.0]]);
+        mesh.segments.extend([[1, 0], [1, 8], [8, 9]]);
+        let built = built(&scene);
+        assert_eq!(built.model.chords.ends.len(), 6);
+        assert!(told(
+            &built.warnings,
+            "segment 6",
+            "same points as chordae[0].mesh segment 0"
+        ));
+        assert!(told(
+            &built.warnings,
+            "segment 8",
+            "reaches neither tip nor leaflet"
+        ));
+        assert!(told(
+            &built.warnings,
+            "segment 7",
+            "reaches neither tip nor leaflet"
+        ));
+    }
+
+    #[test]
+    fn a_chord_without_a_tip_is_refused() {
+        let mut scene = skirt();
+        lines(&mut scene).points_mm[0] = [-12.0, -2.0, -30.0];
+        assert!(told(
+            &faults(&scene),
+            "segment 0",
+            "no papillary tip; the nearest tip is 2.00 mm"
+        ));
+    }
+
+    #[test]
+    fn doubtful_lengths_are_told_with_both_numbers() {
+        let mut scene = skirt();
+        lines(&mut scene).rest_length_mm = Some(vec![100.0, 10.0, 10.0, 10.0, 10.0, 10.0]);
+        assert!(told(
+            &built(&scene).warnings,
+            "segment 0",
+            "is 100.000 mm, its ends lie 8.246 mm"
+        ));
+        lines(&mut scene).rest_length_mm = Some(vec![f64::NAN, 0.0, 10.0, 10.0, 10.0, 10.0]);
+        let found = faults(&scene);
+        assert!(
+            told(&found, "rest_length_mm segment 0", "NaN")
+                && told(&found, "rest_length_mm segment 1", "is 0 mm")
+        );
+    }
+}

@@ -1,0 +1,476 @@
+//! Every number in a scene, looked at on its own: present, finite, in range, of the right count.
+
+use super::faults::Faults;
+use crate::scene::{
+    Annulus, ChordGroup, Leaflet, LineMesh, PapillaryMuscle, SCHEMA_VERSION, Scene, SurfaceMesh, Tissue,
+};
+
+/// Pressures above this are taken but doubted [mmHg]: no human ventricle has been measured there.
+const DOUBTFUL_PRESSURE_MMHG: f64 = 400.0;
+
+/// Coordinates and other numbers beyond this are no anatomy in any unit; the bound keeps arithmetic finite.
+const LARGEST: f64 = 1e7;
+
+pub(crate) fn scene(scene: &Scene, faults: &mut Faults) {
+    if scene.schema_version != SCHEMA_VERSION {
+        let message = format!(
+            "{} is unknown, this version reads {SCHEMA_VERSION}",
+            scene.schema_version
+        );
+        faults.error("schema_version", message);
+    }
+    if scene.leaflets.is_empty() {
+        faults.error("leaflets", "there are none, expected at least one");
+    }
+    for (i, entry) in scene.leaflets.iter().enumerate() {
+        leaflet(entry, &format!("leaflets[{i}]"), faults);
+    }
+    annulus(&scene.annulus, faults);
+    for (i, muscle) in scene.papillary.iter().enumerate() {
+        papillary(muscle, &format!("papillary[{i}]"), faults);
+    }
+    for (i, group) in scene.chordae.iter().enumerate() {
+        chord_group(group, &format!("chordae[{i}]"), faults);
+    }
+    pressure(scene, faults);
+    settings(scene, faults);
+    landmarks(scene, faults);
+}
+
+/// A number above zero, not so small or large that arithmetic overflows.
+fn positive(value: f64, place: &str, unit: &str, faults: &mut Faults) {
+    if !(value.is_finite() && (1e-9..=LARGEST).contains(&value)) {
+        faults.error(
+            place,
+            format!("is {value} {unit}, expected a finite number above 0").replace(" ,", ","),
+        );
+    }
+}
+
+fn not_negative(value: f64, place: &str, unit: &str, faults: &mut Faults) {
+    if !(value.is_finite() && (0.0..=LARGEST).contains(&value)) {
+        faults.error(
+            place,
+            format!("is {value} {unit}, expected a finite number, 0 or above").replace(" ,", ","),
+        );
+    }
+}
+
+/// Points or vectors; only the first bad one is named, with how many there are.
+fn points(points: &[[f64; 3]], place: &str, element: &str, faults: &mut Faults) {
+    let bad = |p: &[f64; 3]| p.iter().any(|c| !c.is_finite() || c.abs() > LARGEST);
+    let count = points.iter().filter(|p| bad(p)).count();
+    if let Some(first) = points.iter().position(bad) {
+        let [x, y, z] = points[first];
+        let message = format!("is ({x}, {y}, {z}), expected finite millimetres ({count} such)");
+        faults.error(format!("{place} {element} {first}"), message);
+    }
+}
+
+fn leaflet(leaflet: &Leaflet, place: &str, faults: &mut Faults) {
+    positive(
+        leaflet.thickness_mm,
+        &format!("{place}.thickness_mm"),
+        "mm",
+        faults,
+    );
+    tissue(&leaflet.tissue, &format!("{place}.tissue"), faults);
+    match &leaflet.mesh {
+        Some(mesh) => surface(mesh, &format!("{place}.mesh"), faults),
+        None => faults.error(
+            format!("{place}.mesh"),
+            missing(leaflet.mesh_file.as_deref(), "mesh_file"),
+        ),
+    }
+}
+
+fn missing(file: Option<&str>, key: &str) -> String {
+    match file {
+        Some(file) => format!("`{file}` has not been read into the scene"),
+        None => format!("is absent; give it here or name a `{key}`"),
+    }
+}
+
+fn tissue(tissue: &Tissue, place: &str, faults: &mut Faults) {
+    let Tissue::BilinearSprings {
+        pre_transition_modulus_mpa: soft,
+        transition_strain,
+        post_transition_modulus_mpa: stiff,
+        compression_modulus_ratio,
+    } = *tissue;
+    positive(
+        soft,
+        &format!("{place}.pre_transition_modulus_mpa"),
+        "MPa",
+        faults,
+    );
+    positive(
+        stiff,
+        &format!("{place}.post_transition_modulus_mpa"),
+        "MPa",
+        faults,
+    );
+    positive(
+        transition_strain,
+        &format!("{place}.transition_strain"),
+        "",
+        faults,
+    );
+    not_negative(
+        compression_modulus_ratio,
+        &format!("{place}.compression_modulus_ratio"),
+        "",
+        faults,
+    );
+    if stiff < soft {
+        let message =
+            format!("is {stiff} MPa, below the pre-transition modulus {soft} MPa; collagen stiffens tissue");
+        faults.error(format!("{place}.post_transition_modulus_mpa"), message);
+    }
+}
+
+fn surface(mesh: &SurfaceMesh, place: &str, faults: &mut Faults) {
+    let count = mesh.points_mm.len();
+    if mesh.faces.is_empty() {
+        faults.error(place, format!("has no triangles ({count} points)"));
+    }
+    points(&mesh.points_mm, place, "point", faults);
+    let beyond = |face: &[u32; 3]| face.iter().any(|&v| v as usize >= count);
+    if let Some(first) = mesh.faces.iter().position(beyond) {
+        let bad = mesh.faces.iter().filter(|f| beyond(f)).count();
+        let message = format!(
+            "is {:?}, but there are {count} points ({bad} such)",
+            mesh.faces[first]
+        );
+        faults.error(format!("{place} face {first}"), message);
+    }
+    for &point in mesh
+        .annulus_points
+        .iter()
+        .flatten()
+        .filter(|&&p| p as usize >= count)
+        .take(1)
+    {
+        faults.error(
+            format!("{place}.annulus_points"),
+            format!("name point {point}, but there are {count}"),
+        );
+    }
+    if let Some(moves) = &mesh.annulus_displacement_mm {
+        same_count(
+            moves.len(),
+            count,
+            &format!("{place}.annulus_displacement_mm"),
+            "points",
+            faults,
+        );
+        points(
+            moves,
+            &format!("{place}.annulus_displacement_mm"),
+            "point",
+            faults,
+        );
+    }
+}
+
+fn same_count(found: usize, expected: usize, place: &str, what: &str, faults: &mut Faults) {
+    if found != expected {
+        faults.error(
+            place,
+            format!("has {found} entries, but there are {expected} {what}"),
+        );
+    }
+}
+
+fn annulus(annulus: &Annulus, faults: &mut Faults) {
+    if let Some(tolerance) = annulus.curve_tolerance_mm {
+        positive(tolerance, "annulus.curve_tolerance_mm", "mm", faults);
+    }
+    match (&annulus.curve_mm, &annulus.curve_file) {
+        (Some(curve), _) => {
+            points(curve, "annulus.curve_mm", "point", faults);
+            if curve.len() < 3 {
+                let message = format!("has {} points, expected a closed curve of 3 or more", curve.len());
+                faults.error("annulus.curve_mm", message);
+            }
+        }
+        (None, Some(file)) => faults.error("annulus.curve_file", missing(Some(file), "")),
+        (None, None) => {}
+    }
+}
+
+fn papillary(muscle: &PapillaryMuscle, place: &str, faults: &mut Faults) {
+    if muscle.tips_mm.is_empty() {
+        faults.error(
+            format!("{place}.tips_mm"),
+            missing(muscle.tips_file.as_deref(), "tips_file"),
+        );
+    }
+    points(&muscle.tips_mm, &format!("{place}.tips_mm"), "tip", faults);
+    points(
+        &muscle.displacements_mm,
+        &format!("{place}.displacements_mm"),
+        "tip",
+        faults,
+    );
+    if !muscle.displacements_mm.is_empty() {
+        let place = format!("{place}.displacements_mm");
+        same_count(
+            muscle.displacements_mm.len(),
+            muscle.tips_mm.len(),
+            &place,
+            "tips",
+            faults,
+        );
+    }
+}
+
+fn chord_group(group: &ChordGroup, place: &str, faults: &mut Faults) {
+    positive(group.diameter_mm, &format!("{place}.diameter_mm"), "mm", faults);
+    positive(group.modulus_mpa, &format!("{place}.modulus_mpa"), "MPa", faults);
+    positive(
+        group.rest_length_scale,
+        &format!("{place}.rest_length_scale"),
+        "",
+        faults,
+    );
+    match &group.mesh {
+        Some(mesh) => lines(mesh, &format!("{place}.mesh"), faults),
+        None => faults.error(
+            format!("{place}.mesh"),
+            missing(group.mesh_file.as_deref(), "mesh_file"),
+        ),
+    }
+}
+
+fn lines(mesh: &LineMesh, place: &str, faults: &mut Faults) {
+    let count = mesh.points_mm.len();
+    points(&mesh.points_mm, place, "point", faults);
+    for (i, segment) in mesh.segments.iter().enumerate() {
+        if segment.iter().any(|&p| p as usize >= count) {
+            faults.error(
+                format!("{place} segment {i}"),
+                format!("is {segment:?}, but there are {count} points"),
+            );
+        } else if segment[0] == segment[1] {
+            faults.error(
+                format!("{place} segment {i}"),
+                format!("joins point {} to itself", segment[0]),
+            );
+        }
+    }
+    let columns = [
+        (&mesh.rest_length_mm, "rest_length_mm", "mm"),
+        (&mesh.area_mm2, "area_mm2", "mm²"),
+    ];
+    for (values, key, unit) in columns {
+        let Some(values) = values else { continue };
+        same_count(
+            values.len(),
+            mesh.segments.len(),
+            &format!("{place}.{key}"),
+            "segments",
+            faults,
+        );
+        for (i, &value) in values.iter().enumerate() {
+            positive(value, &format!("{place}.{key} segment {i}"), unit, faults);
+        }
+    }
+}
+
+fn pressure(scene: &Scene, faults: &mut Faults) {
+    let (place, pressure) = match (scene.load.pressure_mmhg, scene.load.pressure_kpa) {
+        (Some(mmhg), None) => ("load.pressure_mmhg", mmhg),
+        (None, Some(kpa)) => ("load.pressure_kpa", kpa),
+        (Some(_), Some(_)) => {
+            return faults.error("load", "has a pressure in mmHg and in kPa, expected one of them");
+        }
+        (None, None) => {
+            return faults.error(
+                "load",
+                "has no pressure, expected `pressure_mmhg` or `pressure_kpa`",
+            );
+        }
+    };
+    not_negative(pressure, place, "", faults);
+    let mmhg = scene.load.pressure_mpa().unwrap_or(0.0) / crate::scene::MMHG_MPA;
+    if mmhg > DOUBTFUL_PRESSURE_MMHG {
+        let message = format!("is {mmhg:.0} mmHg, expected below {DOUBTFUL_PRESSURE_MMHG}; check the unit");
+        faults.warning(place, message);
+    }
+}
+
+fn settings(scene: &Scene, faults: &mut Faults) {
+    positive(scene.contact.thickness_mm, "contact.thickness_mm", "mm", faults);
+    positive(
+        scene.contact.stiffness_mpa,
+        "contact.stiffness_mpa",
+        "MPa",
+        faults,
+    );
+    not_negative(scene.weld.tolerance_mm, "weld.tolerance_mm", "mm", faults);
+    not_negative(
+        scene.weld.insertion_tolerance_mm,
+        "weld.insertion_tolerance_mm",
+        "mm",
+        faults,
+    );
+    let tolerance = scene.settings.residual_tolerance;
+    if !(tolerance > 0.0 && tolerance < 1.0) {
+        let message = format!("is {tolerance}, expected above 0 and below 1");
+        faults.error("settings.residual_tolerance", message);
+    }
+    if scene.settings.iteration_limit == 0 {
+        faults.error("settings.iteration_limit", "is 0, expected at least 1");
+    }
+}
+
+fn landmarks(scene: &Scene, faults: &mut Faults) {
+    let named = &scene.landmarks;
+    let all = [
+        ("mid_anterior_mm", named.mid_anterior_mm),
+        ("mid_posterior_mm", named.mid_posterior_mm),
+        ("commissure_anterolateral_mm", named.commissure_anterolateral_mm),
+        ("commissure_posteromedial_mm", named.commissure_posteromedial_mm),
+        ("trigone_left_mm", named.trigone_left_mm),
+        ("trigone_right_mm", named.trigone_right_mm),
+    ];
+    for (key, point) in all {
+        points(point.as_slice(), &format!("landmarks.{key}"), "entry", faults);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{built, faults, lines, mesh, skirt, told};
+    use super::*;
+
+    /// A change to a good scene, where it must be told, and in which words.
+    type Wrong = (fn(&mut Scene), &'static str, &'static str);
+
+    #[test]
+    fn every_wrong_number_is_told_with_place_and_value() {
+        let wrongs: [Wrong; 22] = [
+            (|s| s.schema_version = 2, "schema_version", "2 is unknown"),
+            (|s| s.leaflets.clear(), "leaflets", "none"),
+            (
+                |s| s.leaflets[1].thickness_mm = 0.0,
+                "leaflets[1].thickness_mm",
+                "is 0 mm",
+            ),
+            (
+                |s| s.leaflets[0].thickness_mm = f64::NAN,
+                "leaflets[0].thickness_mm",
+                "NaN",
+            ),
+            (
+                |s| tissue(s, -1.0, 0.25, 4.0),
+                "pre_transition_modulus_mpa",
+                "is -1 MPa",
+            ),
+            (|s| tissue(s, 0.1, 0.0, 4.0), "transition_strain", "is 0,"),
+            (
+                |s| tissue(s, 5.0, 0.25, 4.0),
+                "post_transition_modulus_mpa",
+                "below the pre-transition modulus 5",
+            ),
+            (|s| s.leaflets[0].mesh = None, "leaflets[0].mesh", "absent"),
+            (|s| mesh(s, 0).faces.clear(), "leaflets[0].mesh", "no triangles"),
+            (|s| mesh(s, 0).faces[7][1] = 999, "leaflets[0].mesh face 7", "999"),
+            (
+                |s| mesh(s, 0).points_mm[4][2] = f64::INFINITY,
+                "leaflets[0].mesh point 4",
+                "inf",
+            ),
+            (
+                |s| mesh(s, 0).annulus_points = Some(vec![999]),
+                "annulus_points",
+                "999",
+            ),
+            (
+                |s| s.annulus.curve_file = Some("a.json".into()),
+                "annulus.curve_file",
+                "a.json",
+            ),
+            (
+                |s| s.papillary[0].tips_mm.clear(),
+                "papillary[0].tips_mm",
+                "absent",
+            ),
+            (
+                |s| s.papillary[0].displacements_mm = vec![[0.0; 3]; 2],
+                "displacements_mm",
+                "2 entries",
+            ),
+            (
+                |s| s.chordae[0].modulus_mpa = 0.0,
+                "chordae[0].modulus_mpa",
+                "is 0 MPa",
+            ),
+            (
+                |s| lines(s).segments[2] = [0, 99],
+                "chordae[0].mesh segment 2",
+                "99",
+            ),
+            (|s| s.load = Load::mmhg(-120.0), "load.pressure_mmhg", "is -120"),
+            (|s| s.load.pressure_kpa = Some(16.0), "load", "in mmHg and in kPa"),
+            (
+                |s| s.contact.thickness_mm = f64::NAN,
+                "contact.thickness_mm",
+                "NaN",
+            ),
+            (
+                |s| s.settings.residual_tolerance = 0.0,
+                "settings.residual_tolerance",
+                "is 0",
+            ),
+            (|s| s.weld.tolerance_mm = -1.0, "weld.tolerance_mm", "is -1 mm"),
+        ];
+        for (spoil, place, words) in wrongs {
+            let mut scene = skirt();
+            spoil(&mut scene);
+            assert!(told(&faults(&scene), place, words));
+        }
+    }
+
+    use crate::scene::Load;
+
+    fn tissue(scene: &mut Scene, soft: f64, knee: f64, stiff: f64) {
+        scene.leaflets[0].tissue = Tissue::BilinearSprings {
+            pre_transition_modulus_mpa: soft,
+            transition_strain: knee,
+            post_transition_modulus_mpa: stiff,
+            compression_modulus_ratio: 1.0,
+        };
+    }
+
+    #[test]
+    fn all_faults_come_at_once_up_to_twenty() {
+        let mut scene = skirt();
+        scene.leaflets[0].thickness_mm = 0.0;
+        scene.load.pressure_mmhg = None;
+        assert_eq!(faults(&scene).len(), 2);
+        lines(&mut scene).rest_length_mm = Some(vec![0.0; 6]);
+        lines(&mut scene).area_mm2 = Some(vec![0.0; 6]);
+        for _ in 0..10 {
+            scene.papillary.push(scene.papillary[0].clone());
+        }
+        scene
+            .papillary
+            .iter_mut()
+            .for_each(|muscle| muscle.tips_mm.clear());
+        let found = faults(&scene);
+        assert_eq!(found.len(), super::super::faults::LIMIT + 1);
+        assert!(told(&found, "scene", "and 6 more"));
+    }
+
+    #[test]
+    fn a_very_high_pressure_is_taken_and_doubted() {
+        let mut scene = skirt();
+        scene.load = Load {
+            pressure_mmhg: None,
+            pressure_kpa: Some(120.0),
+        };
+        assert!(told(&built(&scene).warnings, "load.pressure_kpa", "900 mmHg"));
+    }
+}
