@@ -1,1 +1,3 @@
 //! Triangles, edges, loops, landmarks; the parametric valve.
+
+pub mod parametric;
