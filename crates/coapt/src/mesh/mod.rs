@@ -4,3 +4,4 @@ pub mod landmarks;
 pub mod point_grid;
 pub mod polyline;
 pub mod topology;
+pub mod parametric;
