@@ -1,0 +1,171 @@
+//! Chordal tensions and the forces on the papillary muscles and the annulus.
+
+use serde::Serialize;
+
+use super::leaflet::strain;
+use crate::Vec3;
+use crate::model::Model;
+
+/// Chordal tensions.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ChordMeasures {
+    /// Largest tension of any segment [N].
+    pub max_force_n: f64,
+    /// Sum of the tensions of the segments that insert into a leaflet [N]; so a chord of several segments counts once
+    /// and a branched one by its branches.
+    pub total_force_n: f64,
+    /// The same per group, shape `[group]`.
+    pub groups: Vec<ChordGroupMeasures>,
+}
+
+/// Chordal tensions of one group.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChordGroupMeasures {
+    /// Name of the group.
+    pub name: String,
+    /// Largest tension of any segment [N].
+    pub max_force_n: f64,
+    /// Sum of the tensions of the segments that insert into a leaflet [N].
+    pub total_force_n: f64,
+}
+
+/// Force on one papillary muscle.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PapillaryMeasures {
+    /// Name.
+    pub name: String,
+    /// Force of the chordae on the muscle's tips together [N].
+    pub force_n: [f64; 3],
+}
+
+/// Tension of each chord segment [N], shape `[segment]`: `E A (l/L₀ - 1)`, zero when slack (paper 003, section 2.2).
+pub fn chord_forces(model: &Model, positions_mm: &[Vec3]) -> Vec<f64> {
+    let positions_mm = super::usable_positions(model, positions_mm);
+    let chords = &model.chords;
+    let segments = chords
+        .ends
+        .iter()
+        .zip(&chords.rest_length_mm)
+        .zip(&chords.axial_stiffness_n);
+    segments
+        .map(|((&ends, &rest), stiffness)| stiffness * strain(positions_mm, ends, rest).max(0.0))
+        .collect()
+}
+
+/// Largest tension and the total, over all chords and per group.
+pub(super) fn chords(model: &Model, positions_mm: &[Vec3]) -> ChordMeasures {
+    let none = |name: &String| ChordGroupMeasures {
+        name: name.clone(),
+        max_force_n: 0.0,
+        total_force_n: 0.0,
+    };
+    let mut m = ChordMeasures {
+        groups: model.chord_groups.iter().map(none).collect(),
+        ..Default::default()
+    };
+    let tensions = chord_forces(model, positions_mm);
+    for ((tension, ends), &group) in tensions
+        .into_iter()
+        .zip(&model.chords.ends)
+        .zip(&model.chords.group)
+    {
+        let inserts = ends.iter().any(|&v| (v as usize) < model.leaflet_vertex_count);
+        let total = if inserts { tension } else { 0.0 };
+        m.max_force_n = m.max_force_n.max(tension);
+        m.total_force_n += total;
+        if let Some(g) = m.groups.get_mut(group as usize) {
+            g.max_force_n = g.max_force_n.max(tension);
+            g.total_force_n += total;
+        }
+    }
+    m
+}
+
+/// Force of the valve on each papillary muscle: sum over its tips.
+pub(super) fn papillary(model: &Model, nodal_reaction_n: &[Vec3]) -> Vec<PapillaryMeasures> {
+    let muscles = model.papillary.iter();
+    muscles
+        .map(|p| PapillaryMeasures {
+            name: p.name.clone(),
+            force_n: total(&p.tips, nodal_reaction_n),
+        })
+        .collect()
+}
+
+/// Force of the valve on the whole annulus.
+pub(super) fn annulus_force_n(model: &Model, nodal_reaction_n: &[Vec3]) -> [f64; 3] {
+    total(&model.annulus, nodal_reaction_n)
+}
+
+fn total(vertices: &[u32], nodal_reaction_n: &[Vec3]) -> [f64; 3] {
+    let known = vertices.iter().filter_map(|&v| nodal_reaction_n.get(v as usize));
+    known
+        .filter(|f| f.iter().all(|x| x.is_finite()))
+        .sum::<Vec3>()
+        .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_models::sheet;
+    use super::*;
+    use crate::energy::chord::Chords;
+    use crate::model::Papillary;
+
+    /// A 2 × 2 sheet whose corner 0 hangs by a trunk of two segments from a tip at (0, 0, -10), branching to corner 1,
+    /// and a slack chord to corner 2.
+    fn hung() -> Model {
+        let mut model = sheet(1, 2.0, 1);
+        model
+            .rest_mm
+            .extend([Vec3::new(0.0, 0.0, -5.0), Vec3::new(0.0, 0.0, -10.0)]);
+        let (node, tip) = (4, 5);
+        model.chords = Chords {
+            ends: vec![[tip, node], [node, 0], [node, 1], [tip, 2]],
+            rest_length_mm: vec![4.0, 4.0, 29f64.sqrt() / 1.1, 50.0],
+            axial_stiffness_n: vec![20.0, 10.0, 30.0, 40.0],
+            group: vec![1, 0, 0, 1],
+        };
+        model.chord_groups = vec!["marginal".into(), "strut".into()];
+        model.papillary = vec![Papillary {
+            name: "anterolateral".into(),
+            tips: vec![tip],
+        }];
+        model
+    }
+
+    /// Tensions by hand: 20 · 1/4, 10 · 1/4, 30 · 0.1, slack; to rounding.
+    #[test]
+    fn tensions() {
+        let model = hung();
+        assert_eq!((model.rest_mm[1] - model.rest_mm[4]).norm(), 29f64.sqrt());
+        let t = chord_forces(&model, &model.rest_mm);
+        for (found, expected) in t.iter().zip([5.0, 2.5, 3.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-12, "{t:?}");
+        }
+        let m = chords(&model, &model.rest_mm);
+        assert!(
+            (m.max_force_n - 5.0).abs() < 1e-12 && (m.total_force_n - 5.5).abs() < 1e-12,
+            "{m:?}"
+        );
+        let group = |i: usize| (m.groups[i].max_force_n, m.groups[i].total_force_n);
+        assert!(
+            (group(0).0 - 3.0).abs() < 1e-12 && (group(0).1 - 5.5).abs() < 1e-12,
+            "{m:?}"
+        );
+        assert!((group(1).0 - 5.0).abs() < 1e-12 && group(1).1 == 0.0, "{m:?}");
+    }
+
+    /// Reactions are summed over the right vertices; missing and undefined ones count as zero.
+    #[test]
+    fn reactions() {
+        let mut model = hung();
+        model.annulus = vec![1, 3];
+        let mut reaction: Vec<Vec3> = (0..6).map(|i| Vec3::new(f64::from(1 << i), 0.0, -1.0)).collect();
+        assert_eq!(annulus_force_n(&model, &reaction), [10.0, 0.0, -2.0]);
+        assert_eq!(papillary(&model, &reaction)[0].force_n, [32.0, 0.0, -1.0]);
+        reaction[3].y = f64::NAN;
+        assert_eq!(annulus_force_n(&model, &reaction), [2.0, 0.0, -1.0]);
+        assert_eq!(papillary(&model, &reaction[..2])[0].force_n, [0.0; 3]);
+    }
+}
