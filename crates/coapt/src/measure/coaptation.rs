@@ -37,9 +37,13 @@ pub struct CoaptationMeasures {
 
 /// Measures coaptation; all zero when nothing touches.
 pub(super) fn coaptation(model: &Model, s: &Surface, gaps: &Gaps, seal: &Seal) -> CoaptationMeasures {
-    let clearance = |gap: &[f64]| -> Vec<f64> { gap.iter().zip(&gaps.threshold_mm).map(|(g, t)| g - t).collect() };
+    let clearance =
+        |gap: &[f64]| -> Vec<f64> { gap.iter().zip(&gaps.threshold_mm).map(|(g, t)| g - t).collect() };
     let facing = clearance(&gaps.facing_mm);
-    let mut m = CoaptationMeasures { area_mm2: contact_area(s, &facing) / 2.0, ..Default::default() };
+    let mut m = CoaptationMeasures {
+        area_mm2: contact_area(s, &facing) / 2.0,
+        ..Default::default()
+    };
     if s.face_leaflet.iter().any(|&l| l != s.face_leaflet[0]) {
         m.self_contact_area_mm2 = contact_area(s, &clearance(&gaps.own_mm)) / 2.0;
     }
@@ -89,13 +93,17 @@ fn corner_share(value: [f64; 3], chosen: impl Fn(f64) -> bool) -> f64 {
 
 /// The edges of the free margin that belong to one leaflet.
 fn margin_segments(model: &Model, s: &Surface, leaflet: u32) -> Vec<[Vec3; 2]> {
-    let of_leaflet = |&[a, b]: &[u32; 2]| s.edge(a, b).is_some_and(|e| s.edge_leaflets[e] & leaflet_bit(leaflet) != 0);
+    let of_leaflet = |&[a, b]: &[u32; 2]| {
+        s.edge(a, b)
+            .is_some_and(|e| s.edge_leaflets[e] & leaflet_bit(leaflet) != 0)
+    };
     model
         .margins
         .iter()
         .flat_map(|m| {
             let n = m.vertices.len();
-            (0..if m.closed { n } else { n.saturating_sub(1) }).map(move |i| [m.vertices[i], m.vertices[(i + 1) % n]])
+            (0..if m.closed { n } else { n.saturating_sub(1) })
+                .map(move |i| [m.vertices[i], m.vertices[(i + 1) % n]])
         })
         .filter(of_leaflet)
         .map(|ends| ends.map(|v| s.positions_mm[v as usize]))
@@ -103,7 +111,10 @@ fn margin_segments(model: &Model, s: &Surface, leaflet: u32) -> Vec<[Vec3; 2]> {
 }
 
 fn nearest_segment(p: Vec3, segments: &[[Vec3; 2]]) -> Option<f64> {
-    segments.iter().map(|&segment| point_segment(p, segment)).min_by(f64::total_cmp)
+    segments
+        .iter()
+        .map(|&segment| point_segment(p, segment))
+        .min_by(f64::total_cmp)
 }
 
 /// The border of the contact towards the annulus on one leaflet, as smoothed polylines.
@@ -113,7 +124,10 @@ fn closure_chains(s: &Surface, seal: &Seal, field: &[f64], leaflet: u32) -> Vec<
         let face = s.faces[f];
         let touching = face.map(|v| field[v as usize] < 0.0);
         let atrial = (0..3).any(|k| !touching[k] && seal.open[face[k] as usize]);
-        let cut: Vec<u32> = (0..3).filter(|&k| touching[k] != touching[(k + 1) % 3]).map(|k| s.face_edges[f][k]).collect();
+        let cut: Vec<u32> = (0..3)
+            .filter(|&k| touching[k] != touching[(k + 1) % 3])
+            .map(|k| s.face_edges[f][k])
+            .collect();
         if let (true, &[a, b]) = (atrial, &cut[..]) {
             crossings.push([a, b]);
         }
@@ -124,14 +138,24 @@ fn closure_chains(s: &Surface, seal: &Seal, field: &[f64], leaflet: u32) -> Vec<
     };
     chains(&crossings)
         .into_iter()
-        .map(|(chain, closed)| smoothed(&chain.into_iter().map(at).collect::<Vec<_>>(), closed, s.mean_edge_mm))
+        .map(|(chain, closed)| {
+            smoothed(
+                &chain.into_iter().map(at).collect::<Vec<_>>(),
+                closed,
+                s.mean_edge_mm,
+            )
+        })
         .collect()
 }
 
 /// Joins pairs of edge numbers to chains; the second part says whether the chain closes, its first number then
 /// also being its last.
 fn chains(pairs: &[[u32; 2]]) -> Vec<(Vec<u32>, bool)> {
-    let mut ends: Vec<(u32, usize)> = pairs.iter().enumerate().flat_map(|(i, p)| p.map(|e| (e, i))).collect();
+    let mut ends: Vec<(u32, usize)> = pairs
+        .iter()
+        .enumerate()
+        .flat_map(|(i, p)| p.map(|e| (e, i)))
+        .collect();
     ends.sort_unstable();
     let at = |e: u32| {
         let first = ends.partition_point(|x| x.0 < e);
@@ -150,7 +174,11 @@ fn chains(pairs: &[[u32; 2]]) -> Vec<(Vec<u32>, bool)> {
         while let Some(i) = next {
             used[i] = true;
             let here = chain[chain.len() - 1];
-            let there = if pairs[i][0] == here { pairs[i][1] } else { pairs[i][0] };
+            let there = if pairs[i][0] == here {
+                pairs[i][1]
+            } else {
+                pairs[i][0]
+            };
             chain.push(there);
             next = at(there).iter().map(|x| x.1).find(|&i| !used[i]);
         }
@@ -170,9 +198,17 @@ fn smoothed(line: &[Vec3], closed: bool, reach: f64) -> Vec<Vec3> {
     let total = along.last().copied().unwrap_or(0.0);
     (0..line.len())
         .map(|i| {
-            let room = if closed { total / 2.0 } else { along[i].min(total - along[i]) };
+            let room = if closed {
+                total / 2.0
+            } else {
+                along[i].min(total - along[i])
+            };
             let reach = reach.min(room);
-            if reach > 0.0 { mean_between(line, &along, closed, along[i] - reach, along[i] + reach) } else { line[i] }
+            if reach > 0.0 {
+                mean_between(line, &along, closed, along[i] - reach, along[i] + reach)
+            } else {
+                line[i]
+            }
         })
         .collect()
 }
@@ -219,18 +255,19 @@ mod tests {
         assert_eq!(measured(&two_strips(20, 8, 1.0)).area_mm2, 0.0);
     }
 
-    /// Strips 20 mm wide that lie on each other over 5 mm and part above it at 45° each: the line is 20 mm long. Above
-    /// the bend the gap opens from 0.4 to the threshold 0.6 + 0.02 h within a height of about 0.15 mm, which
-    /// the coaptation length and, times the width, the area contain.
+    /// Strips 20 mm wide that lie on each other over 5 mm and part above it at 45° each: the line is 20 mm long, but
+    /// for the ends, where edges and so the threshold differ a little. Above the bend the gap √((0.4 + z)² + z²) opens
+    /// to the threshold 0.6 + 0.02 h at z = 0.18 mm, which the coaptation length contains, and times the width and √2
+    /// the area: 105.0 mm². The coarsest mesh, where the gap runs straight over 1 mm, finds 0.17 and 104.8.
     #[test]
     fn strips_that_part() {
         for n in [5, 10, 20] {
             let m = measured(&flared_strips(4 * n, n, 5.0));
-            assert!((m.closure_line_mm - 20.0).abs() < 1e-9, "{m:?}");
-            assert!(m.length_mean_mm > 5.0 && m.length_mean_mm < 5.2, "{m:?}");
-            assert!((m.length_max_mm - m.length_mean_mm).abs() < 1e-9, "{m:?}");
-            assert!(m.area_mm2 > 100.0 && m.area_mm2 < 104.5, "{m:?}");
-            assert!((m.contact_depth_mm - m.area_mm2 / 20.0).abs() < 1e-9);
+            assert!((m.closure_line_mm - 20.0).abs() < 1e-4, "{m:?}");
+            assert!((m.length_mean_mm - 5.18).abs() < 0.015, "{m:?}");
+            assert!((m.length_max_mm - m.length_mean_mm).abs() < 2e-3, "{m:?}");
+            assert!((m.area_mm2 - 105.0).abs() < 0.3, "{m:?}");
+            assert!((m.contact_depth_mm - m.area_mm2 / 20.0).abs() < 1e-4);
         }
     }
 
@@ -244,20 +281,24 @@ mod tests {
     }
 
     /// A saw-tooth of ±0.25 about a line 20 mm long, teeth 1 mm apart, is 22.4 mm long; smoothed over 1 mm each way
-    /// it is within 2 % of 20. A straight line is kept exactly, a circle loses less than (reach/r)²/6 of its length.
+    /// it is within 2 % of 20. A straight line is kept exactly. A circle loses (reach/r)²/6 of its length, and the polygon
+    /// of 100 points (2π/100)²/12 more.
     #[test]
     fn smoothing_takes_the_teeth() {
         let length = |l: &[Vec3]| l.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>();
-        let saw: Vec<Vec3> =
-            (0..=20).map(|i| Vec3::new(f64::from(i), if i % 2 == 0 { 0.25 } else { -0.25 }, 0.0)).collect();
+        let saw: Vec<Vec3> = (0..=20)
+            .map(|i| Vec3::new(f64::from(i), if i % 2 == 0 { 0.25 } else { -0.25 }, 0.0))
+            .collect();
         assert!(length(&saw) > 22.3);
         assert!((length(&smoothed(&saw, false, 1.0)) - 20.0).abs() < 0.4);
         let straight: Vec<Vec3> = (0..=20).map(|i| Vec3::x() * f64::from(i * i)).collect();
         assert!((length(&smoothed(&straight, false, 1.0)) - 400.0).abs() < 1e-9);
         let angle = |i: i32| std::f64::consts::TAU * f64::from(i % 100) / 100.0;
-        let circle: Vec<Vec3> = (0..=100).map(|i| Vec3::new(angle(i).cos(), angle(i).sin(), 0.0) * 10.0).collect();
+        let circle: Vec<Vec3> = (0..=100)
+            .map(|i| Vec3::new(angle(i).cos(), angle(i).sin(), 0.0) * 10.0)
+            .collect();
         let ratio = length(&smoothed(&circle, true, 1.0)) / length(&circle);
-        assert!(ratio < 1.0 && ratio > 1.0 - 0.01 / 6.0, "{ratio}");
+        assert!((ratio - (1.0 - 0.01 / 6.0 - 3.3e-4)).abs() < 2e-5, "{ratio}");
     }
 
     /// Chains come out whole whatever the order of their pieces.

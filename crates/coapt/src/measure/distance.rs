@@ -3,11 +3,19 @@
 use crate::Vec3;
 
 /// Distance from a point to a segment; a segment of no length is a point.
-pub(super) fn point_segment(p: Vec3, [a, b]: [Vec3; 2]) -> f64 {
+pub(super) fn point_segment(p: Vec3, segment: [Vec3; 2]) -> f64 {
+    point_segment_squared(p, segment).sqrt()
+}
+
+fn point_segment_squared(p: Vec3, [a, b]: [Vec3; 2]) -> f64 {
     let along = b - a;
     let squared = along.norm_squared();
-    let t = if squared > 0.0 { ((p - a).dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
-    (p - (a + along * t)).norm()
+    let t = if squared > 0.0 {
+        ((p - a).dot(&along) / squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (p - (a + along * t)).norm_squared()
 }
 
 /// Distance from a point to a triangle; one of no area is its edges.
@@ -17,13 +25,20 @@ pub(super) fn point_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
     let squared = normal.norm_squared();
     if squared > 0.0 {
         // Barycentric coordinates of the foot of the perpendicular.
-        let v = ap.cross(&ac).dot(&normal) / squared;
-        let w = ab.cross(&ap).dot(&normal) / squared;
-        if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
+        let v = ap.cross(&ac).dot(&normal);
+        let w = ab.cross(&ap).dot(&normal);
+        if v >= 0.0 && w >= 0.0 && v + w <= squared {
             return ap.dot(&normal).abs() / squared.sqrt();
         }
     }
-    point_segment(p, [a, b]).min(point_segment(p, [b, c])).min(point_segment(p, [c, a]))
+    let edges = [[a, b], [b, c], [c, a]].map(|edge| point_segment_squared(p, edge));
+    edges[0].min(edges[1]).min(edges[2]).sqrt()
+}
+
+/// Distance from a point to the bounding box of a triangle: never more than to the triangle.
+pub(super) fn point_box(p: Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
+    let (low, high) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
+    (low - p).sup(&(p - high)).sup(&Vec3::zeros()).norm()
 }
 
 /// Area of a triangle.

@@ -42,16 +42,33 @@ pub struct PapillaryMeasures {
 pub fn chord_forces(model: &Model, positions_mm: &[Vec3]) -> Vec<f64> {
     let positions_mm = super::usable_positions(model, positions_mm);
     let chords = &model.chords;
-    let segments = chords.ends.iter().zip(&chords.rest_length_mm).zip(&chords.axial_stiffness_n);
-    segments.map(|((&ends, &rest), stiffness)| stiffness * strain(positions_mm, ends, rest).max(0.0)).collect()
+    let segments = chords
+        .ends
+        .iter()
+        .zip(&chords.rest_length_mm)
+        .zip(&chords.axial_stiffness_n);
+    segments
+        .map(|((&ends, &rest), stiffness)| stiffness * strain(positions_mm, ends, rest).max(0.0))
+        .collect()
 }
 
 /// Largest tension and the total, over all chords and per group.
 pub(super) fn chords(model: &Model, positions_mm: &[Vec3]) -> ChordMeasures {
-    let none = |name: &String| ChordGroupMeasures { name: name.clone(), max_force_n: 0.0, total_force_n: 0.0 };
-    let mut m = ChordMeasures { groups: model.chord_groups.iter().map(none).collect(), ..Default::default() };
+    let none = |name: &String| ChordGroupMeasures {
+        name: name.clone(),
+        max_force_n: 0.0,
+        total_force_n: 0.0,
+    };
+    let mut m = ChordMeasures {
+        groups: model.chord_groups.iter().map(none).collect(),
+        ..Default::default()
+    };
     let tensions = chord_forces(model, positions_mm);
-    for ((tension, ends), &group) in tensions.into_iter().zip(&model.chords.ends).zip(&model.chords.group) {
+    for ((tension, ends), &group) in tensions
+        .into_iter()
+        .zip(&model.chords.ends)
+        .zip(&model.chords.group)
+    {
         let inserts = ends.iter().any(|&v| (v as usize) < model.leaflet_vertex_count);
         let total = if inserts { tension } else { 0.0 };
         m.max_force_n = m.max_force_n.max(tension);
@@ -67,7 +84,12 @@ pub(super) fn chords(model: &Model, positions_mm: &[Vec3]) -> ChordMeasures {
 /// Force of the valve on each papillary muscle: sum over its tips.
 pub(super) fn papillary(model: &Model, nodal_reaction_n: &[Vec3]) -> Vec<PapillaryMeasures> {
     let muscles = model.papillary.iter();
-    muscles.map(|p| PapillaryMeasures { name: p.name.clone(), force_n: total(&p.tips, nodal_reaction_n) }).collect()
+    muscles
+        .map(|p| PapillaryMeasures {
+            name: p.name.clone(),
+            force_n: total(&p.tips, nodal_reaction_n),
+        })
+        .collect()
 }
 
 /// Force of the valve on the whole annulus.
@@ -77,7 +99,10 @@ pub(super) fn annulus_force_n(model: &Model, nodal_reaction_n: &[Vec3]) -> [f64;
 
 fn total(vertices: &[u32], nodal_reaction_n: &[Vec3]) -> [f64; 3] {
     let known = vertices.iter().filter_map(|&v| nodal_reaction_n.get(v as usize));
-    known.filter(|f| f.iter().all(|x| x.is_finite())).sum::<Vec3>().into()
+    known
+        .filter(|f| f.iter().all(|x| x.is_finite()))
+        .sum::<Vec3>()
+        .into()
 }
 
 #[cfg(test)]
@@ -91,7 +116,9 @@ mod tests {
     /// and a slack chord to corner 2.
     fn hung() -> Model {
         let mut model = sheet(1, 2.0, 1);
-        model.rest_mm.extend([Vec3::new(0.0, 0.0, -5.0), Vec3::new(0.0, 0.0, -10.0)]);
+        model
+            .rest_mm
+            .extend([Vec3::new(0.0, 0.0, -5.0), Vec3::new(0.0, 0.0, -10.0)]);
         let (node, tip) = (4, 5);
         model.chords = Chords {
             ends: vec![[tip, node], [node, 0], [node, 1], [tip, 2]],
@@ -100,7 +127,10 @@ mod tests {
             group: vec![1, 0, 0, 1],
         };
         model.chord_groups = vec!["marginal".into(), "strut".into()];
-        model.papillary = vec![Papillary { name: "anterolateral".into(), tips: vec![tip] }];
+        model.papillary = vec![Papillary {
+            name: "anterolateral".into(),
+            tips: vec![tip],
+        }];
         model
     }
 
@@ -114,9 +144,15 @@ mod tests {
             assert!((found - expected).abs() < 1e-12, "{t:?}");
         }
         let m = chords(&model, &model.rest_mm);
-        assert!((m.max_force_n - 5.0).abs() < 1e-12 && (m.total_force_n - 5.5).abs() < 1e-12, "{m:?}");
+        assert!(
+            (m.max_force_n - 5.0).abs() < 1e-12 && (m.total_force_n - 5.5).abs() < 1e-12,
+            "{m:?}"
+        );
         let group = |i: usize| (m.groups[i].max_force_n, m.groups[i].total_force_n);
-        assert!((group(0).0 - 3.0).abs() < 1e-12 && (group(0).1 - 5.5).abs() < 1e-12, "{m:?}");
+        assert!(
+            (group(0).0 - 3.0).abs() < 1e-12 && (group(0).1 - 5.5).abs() < 1e-12,
+            "{m:?}"
+        );
         assert!((group(1).0 - 5.0).abs() < 1e-12 && group(1).1 == 0.0, "{m:?}");
     }
 

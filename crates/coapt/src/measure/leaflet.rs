@@ -35,7 +35,10 @@ pub(super) fn leaflets(model: &Model, s: &Surface) -> Vec<LeafletMeasures> {
         let pairs = model.springs.ends.iter().zip(&strain);
         let bit = leaflet_bit(leaflet as u32);
         pairs
-            .filter(|(ends, _)| s.edge(ends[0], ends[1]).is_some_and(|e| s.edge_leaflets[e] & bit != 0))
+            .filter(|(ends, _)| {
+                s.edge(ends[0], ends[1])
+                    .is_some_and(|e| s.edge_leaflets[e] & bit != 0)
+            })
             .map(|(_, &strain)| strain)
             .collect()
     };
@@ -62,19 +65,28 @@ pub fn vertex_strain(model: &Model, positions_mm: &[Vec3]) -> Vec<f64> {
             count[v as usize] += 1;
         }
     }
-    sum.iter().zip(count).map(|(sum, count)| sum / f64::from(count.max(1))).collect()
+    sum.iter()
+        .zip(count)
+        .map(|(sum, count)| sum / f64::from(count.max(1)))
+        .collect()
 }
 
 /// Strain of each spring; one of no rest length has none.
 fn spring_strain(model: &Model, positions_mm: &[Vec3]) -> Vec<f64> {
     let springs = model.springs.ends.iter().zip(&model.springs.rest_length_mm);
-    springs.map(|(&ends, &rest)| strain(positions_mm, ends, rest)).collect()
+    springs
+        .map(|(&ends, &rest)| strain(positions_mm, ends, rest))
+        .collect()
 }
 
 /// Strain of a straight element; zero where it has no rest length.
 pub(super) fn strain(positions_mm: &[Vec3], [a, b]: [u32; 2], rest_length_mm: f64) -> f64 {
     let length = (positions_mm[a as usize] - positions_mm[b as usize]).norm();
-    if rest_length_mm > 0.0 { length / rest_length_mm - 1.0 } else { 0.0 }
+    if rest_length_mm > 0.0 {
+        length / rest_length_mm - 1.0
+    } else {
+        0.0
+    }
 }
 
 /// Percentile with linear interpolation between ranks (type 7 of Hyndman & Fan 1996, the default of numpy and R).
@@ -100,7 +112,17 @@ mod tests {
     #[test]
     fn stretched_sheet() {
         let model = sheet(8, 8.0, 2);
-        let stretch = |p: &Vec3| Vec3::new(if p.x < 4.0 { 1.2 * p.x } else { 4.8 + 1.1 * (p.x - 4.0) }, p.y, p.z);
+        let stretch = |p: &Vec3| {
+            Vec3::new(
+                if p.x < 4.0 {
+                    1.2 * p.x
+                } else {
+                    4.8 + 1.1 * (p.x - 4.0)
+                },
+                p.y,
+                p.z,
+            )
+        };
         let positions: Vec<Vec3> = model.rest_mm.iter().map(stretch).collect();
         let m = leaflets(&model, &surface(&model, &positions));
         for (leaflet, factor) in m.iter().zip([1.2, 1.1]) {
@@ -110,9 +132,17 @@ mod tests {
         }
         let strain = vertex_strain(&model, &positions);
         // A corner where only an edge along x, strained 0.2, and one along y, not strained, meet.
-        let corner = model.rest_mm.iter().position(|p| p.x == 0.0 && p.y == 8.0).unwrap();
+        let corner = model
+            .rest_mm
+            .iter()
+            .position(|p| p.x == 0.0 && p.y == 8.0)
+            .unwrap();
         assert!((strain[corner] - 0.1).abs() < 1e-12, "{}", strain[corner]);
-        assert!(vertex_strain(&model, &model.rest_mm).iter().all(|e| e.abs() < 1e-15));
+        assert!(
+            vertex_strain(&model, &model.rest_mm)
+                .iter()
+                .all(|e| e.abs() < 1e-15)
+        );
     }
 
     /// The convention on ten numbers: rank 0.95 · 9 = 8.55.

@@ -37,7 +37,10 @@ pub(super) fn annular_plane(curve: &[Vec3], toward: Vec3) -> Option<AnnularPlane
     }
     let points = resample_closed(curve, RESAMPLED);
     let origin = points.iter().sum::<Vec3>() / points.len() as f64;
-    let spread: Mat3 = points.iter().map(|p| (p - origin) * (p - origin).transpose()).sum();
+    let spread: Mat3 = points
+        .iter()
+        .map(|p| (p - origin) * (p - origin).transpose())
+        .sum();
     let eigen = SymmetricEigen::try_new(spread, f64::EPSILON, 1000)?;
     let smallest = eigen.eigenvalues.imin();
     let mut normal = eigen.eigenvectors.column(smallest).into_owned();
@@ -49,7 +52,12 @@ pub(super) fn annular_plane(curve: &[Vec3], toward: Vec3) -> Option<AnnularPlane
         .map(|d| d - normal * normal.dot(&d))
         .find(|d| d.norm() > 1e-6)?
         .normalize();
-    Some(AnnularPlane { origin, u, v: normal.cross(&u), normal })
+    Some(AnnularPlane {
+        origin,
+        u,
+        v: normal.cross(&u),
+        normal,
+    })
 }
 
 /// Evenly spaced points along a closed polyline, the first one kept.
@@ -69,7 +77,11 @@ pub(super) fn resample_closed(curve: &[Vec3], count: usize) -> Vec<Vec3> {
             edge += 1;
             length = (curve[(edge + 1) % n] - curve[edge]).norm();
         }
-        let t = if length > 0.0 { ((target - start) / length).min(1.0) } else { 0.0 };
+        let t = if length > 0.0 {
+            ((target - start) / length).min(1.0)
+        } else {
+            0.0
+        };
         points.push(curve[edge].lerp(&curve[(edge + 1) % n], t));
     }
     points
@@ -83,7 +95,9 @@ pub(super) fn length_closed(curve: &[Vec3]) -> f64 {
 /// Area vector of a closed polyline: its projected area along each axis (Newell).
 pub(super) fn vector_area(curve: &[Vec3]) -> Vec3 {
     let first = curve.first().copied().unwrap_or_default();
-    edges_closed(curve).map(|[a, b]| (a - first).cross(&(b - first)) * 0.5).sum()
+    edges_closed(curve)
+        .map(|[a, b]| (a - first).cross(&(b - first)) * 0.5)
+        .sum()
 }
 
 /// The edges of a closed polyline in order.
@@ -97,7 +111,9 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn circle(angles: impl Iterator<Item = f64>) -> Vec<Vec3> {
-        angles.map(|a| Vec3::new(10.0 * a.cos(), 10.0 * a.sin(), 3.0)).collect()
+        angles
+            .map(|a| Vec3::new(10.0 * a.cos(), 10.0 * a.sin(), 3.0))
+            .collect()
     }
 
     /// A plane curve gives its plane exactly, up to rounding, and the orientation of its sense.

@@ -20,14 +20,30 @@ const MOST_PIXELS: usize = 400;
 impl Raster {
     /// An empty raster over the bounding box of some points, with pixels of the given size or as large as they must be.
     pub(super) fn over(points: &[Vec3], pixel_mm: f64) -> Self {
-        let low = points.iter().fold(Vec3::repeat(f64::INFINITY), |low, p| low.inf(p));
-        let high = points.iter().fold(Vec3::repeat(f64::NEG_INFINITY), |high, p| high.sup(p));
-        let extent = if points.is_empty() { Vec3::zeros() } else { high - low };
-        let pixel_mm = pixel_mm.max(extent.x.max(extent.y) / MOST_PIXELS as f64).max(f64::MIN_POSITIVE);
+        let low = points
+            .iter()
+            .fold(Vec3::repeat(f64::INFINITY), |low, p| low.inf(p));
+        let high = points
+            .iter()
+            .fold(Vec3::repeat(f64::NEG_INFINITY), |high, p| high.sup(p));
+        let extent = if points.is_empty() {
+            Vec3::zeros()
+        } else {
+            high - low
+        };
+        let pixel_mm = pixel_mm
+            .max(extent.x.max(extent.y) / MOST_PIXELS as f64)
+            .max(f64::MIN_POSITIVE);
         let count = |length: f64| (length / pixel_mm).ceil().clamp(1.0, MOST_PIXELS as f64) as usize;
         let (columns, rows) = (count(extent.x), count(extent.y));
         let height_mm = vec![f64::NEG_INFINITY; columns * rows];
-        Self { pixel_mm, height_mm, columns, rows, corner: [low.x, low.y] }
+        Self {
+            pixel_mm,
+            height_mm,
+            columns,
+            rows,
+            corner: [low.x, low.y],
+        }
     }
 
     /// Raises the raster to a triangle where that is higher.
@@ -36,7 +52,10 @@ impl Raster {
         if twice_area == 0.0 {
             return;
         }
-        let (columns, rows) = (self.range(0, self.columns, [a.x, b.x, c.x]), self.range(1, self.rows, [a.y, b.y, c.y]));
+        let (columns, rows) = (
+            self.range(0, self.columns, [a.x, b.x, c.x]),
+            self.range(1, self.rows, [a.y, b.y, c.y]),
+        );
         for row in rows {
             let y = self.corner[1] + (row as f64 + 0.5) * self.pixel_mm;
             for column in columns.clone() {
@@ -58,7 +77,11 @@ impl Raster {
         // A negative or too large number saturates in the cast.
         let first = (place(a.min(b).min(c)) - 1e-6).ceil() as usize;
         let last = (place(a.max(b).max(c)) + 1e-6).floor();
-        let end = if last < 0.0 { 0 } else { (last as usize).saturating_add(1) };
+        let end = if last < 0.0 {
+            0
+        } else {
+            (last as usize).saturating_add(1)
+        };
         first.min(count)..end.min(count)
     }
 
@@ -86,7 +109,11 @@ impl Raster {
             (row > 0).then(|| i - self.columns),
             (row + 1 < self.rows).then_some(i + self.columns),
         ];
-        let heights = neighbours.into_iter().flatten().map(|n| self.height_mm[n]).filter(|h| h.is_finite());
+        let heights = neighbours
+            .into_iter()
+            .flatten()
+            .map(|n| self.height_mm[n])
+            .filter(|h| h.is_finite());
         let (sum, count) = heights.fold((0.0, 0), |(sum, count), h| (sum + h, count + 1));
         (count > 0).then(|| sum / f64::from(count))
     }
@@ -103,11 +130,23 @@ mod tests {
     /// A tilted plane is met exactly at every pixel centre, and the higher of two sheets wins.
     #[test]
     fn sheets_are_painted_at_their_height() {
-        let corners = [p(0.0, 0.0, 0.0), p(4.0, 0.0, 8.0), p(4.0, 4.0, 12.0), p(0.0, 4.0, 4.0)];
+        let corners = [
+            p(0.0, 0.0, 0.0),
+            p(4.0, 0.0, 8.0),
+            p(4.0, 4.0, 12.0),
+            p(0.0, 4.0, 4.0),
+        ];
         let mut raster = Raster::over(&corners, 1.0);
         raster.paint([corners[0], corners[1], corners[2]]);
         raster.paint([corners[0], corners[2], corners[3]]);
-        raster.paint(corners[..3].iter().map(|q| p(q.x, q.y, 3.0)).collect::<Vec<_>>().try_into().unwrap());
+        raster.paint(
+            corners[..3]
+                .iter()
+                .map(|q| p(q.x, q.y, 3.0))
+                .collect::<Vec<_>>()
+                .try_into()
+                .unwrap(),
+        );
         for row in 0..4 {
             for column in 0..4 {
                 let plane = 2.0 * (f64::from(column) + 0.5) + f64::from(row) + 0.5;
@@ -121,12 +160,16 @@ mod tests {
     /// A gap between two sheets of height 1 and 3 is bridged with heights between, and nothing beyond the mask.
     #[test]
     fn gaps_are_bridged() {
-        let square = |x: f64, w: f64, z: f64| [[p(x, 0.0, z), p(x + w, 0.0, z), p(x + w, 1.0, z)], [p(x, 0.0, z), p(x + w, 1.0, z), p(x, 1.0, z)]];
         let mut mask = Raster::over(&[p(0.0, 0.0, 0.0), p(6.0, 1.0, 0.0)], 1.0);
         let mut raster = mask.clone();
-        square(0.0, 5.0, 0.0).map(|t| mask.paint(t));
-        square(0.0, 1.0, 1.0).map(|t| raster.paint(t));
-        square(4.0, 1.0, 3.0).map(|t| raster.paint(t));
+        let square = |raster: &mut Raster, x: f64, w: f64, z: f64| {
+            let corners = [p(x, 0.0, z), p(x + w, 0.0, z), p(x + w, 1.0, z), p(x, 1.0, z)];
+            raster.paint([corners[0], corners[1], corners[2]]);
+            raster.paint([corners[0], corners[2], corners[3]]);
+        };
+        square(&mut mask, 0.0, 5.0, 0.0);
+        square(&mut raster, 0.0, 1.0, 1.0);
+        square(&mut raster, 4.0, 1.0, 3.0);
         raster.bridge(&mask);
         assert_eq!(raster.height_mm, [1.0, 1.0, 2.0, 3.0, 3.0, f64::NEG_INFINITY]);
     }
@@ -136,6 +179,11 @@ mod tests {
     fn size_is_bounded() {
         assert_eq!(Raster::over(&[], 0.25).height_mm.len(), 1);
         assert_eq!(Raster::over(&[p(1.0, 1.0, 1.0)], 0.0).height_mm.len(), 1);
-        assert_eq!(Raster::over(&[p(0.0, 0.0, 0.0), p(1e6, 1e6, 0.0)], 0.25).height_mm.len(), 160_000);
+        assert_eq!(
+            Raster::over(&[p(0.0, 0.0, 0.0), p(1e6, 1e6, 0.0)], 0.25)
+                .height_mm
+                .len(),
+            160_000
+        );
     }
 }

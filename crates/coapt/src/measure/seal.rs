@@ -79,12 +79,20 @@ mod tests {
         let count = model.rest_mm.len();
         let mut facing_mm = vec![GAP_CAP_MM; count];
         facing_mm[2 * columns..3 * columns - 1].fill(0.4);
-        let gaps = Gaps { facing_mm, own_mm: vec![GAP_CAP_MM; count], threshold_mm: vec![0.6; count] };
+        let gaps = Gaps {
+            facing_mm,
+            own_mm: vec![GAP_CAP_MM; count],
+            threshold_mm: vec![0.6; count],
+        };
         let open = seal(&model, &s, &gaps).open;
         for row in 0..rows {
             for column in 0..columns {
                 let expected = row < 2 || column == columns - 1;
-                assert_eq!(open[row * columns + column], expected, "row {row} column {column}");
+                assert_eq!(
+                    open[row * columns + column],
+                    expected,
+                    "row {row} column {column}"
+                );
             }
         }
     }
@@ -94,7 +102,11 @@ mod tests {
     fn unknown_is_open() {
         let model = grid_model(3, 3, 2.0, 2.0);
         let s = surface(&model, &model.rest_mm);
-        let gaps = Gaps { facing_mm: vec![1.0; 9], own_mm: vec![1.0; 9], threshold_mm: vec![0.6; 9] };
+        let gaps = Gaps {
+            facing_mm: vec![1.0; 9],
+            own_mm: vec![1.0; 9],
+            threshold_mm: vec![0.6; 9],
+        };
         assert!(seal(&model, &s, &gaps).open.iter().all(|&o| o));
     }
 }

@@ -118,7 +118,11 @@ fn collect_neighbours(s: &mut Surface) {
     // Lower neighbours first: edges ascend by their low vertex, so each list comes out ascending in two passes.
     for pass in 0..2 {
         for &[a, b] in &s.edges {
-            let (from, to) = if pass == 0 { (b as usize, a) } else { (a as usize, b) };
+            let (from, to) = if pass == 0 {
+                (b as usize, a)
+            } else {
+                (a as usize, b)
+            };
             s.neighbour[next[from] as usize] = to;
             next[from] += 1;
             let length = (s.positions_mm[a as usize] - s.positions_mm[b as usize]).norm();

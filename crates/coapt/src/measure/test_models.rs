@@ -18,7 +18,10 @@ pub(super) fn model_of(
 ) -> Model {
     let n = annulus.len();
     let leaflet_count = face_leaflet.iter().max().map_or(0, |last| last + 1);
-    let leaflet = |i: u32| LeafletTissue { name: format!("leaflet {i}"), thickness_mm: 1.0 };
+    let leaflet = |i: u32| LeafletTissue {
+        name: format!("leaflet {i}"),
+        thickness_mm: 1.0,
+    };
     let mut model = Model {
         name: "test".into(),
         leaflet_vertex_count: points.len(),
@@ -56,7 +59,11 @@ pub(super) fn model_of(
 pub(super) fn saddle(n: usize, cc: f64, ap: f64, fraction: f64, horns: [f64; 2]) -> Vec<Vec3> {
     let point = |i: usize| {
         let (sin, cos) = (TAU * i as f64 / n as f64).sin_cos();
-        let (depth, horn) = if sin >= 0.0 { (fraction * ap, horns[0]) } else { ((1.0 - fraction) * ap, horns[1]) };
+        let (depth, horn) = if sin >= 0.0 {
+            (fraction * ap, horns[0])
+        } else {
+            ((1.0 - fraction) * ap, horns[1])
+        };
         Vec3::new(0.5 * cc * cos, depth * sin, horn * sin * sin)
     };
     (0..n).map(point).collect()
@@ -79,20 +86,37 @@ fn grid_faces(columns: u32, rows: u32, around: bool) -> Vec<[u32; 3]> {
 pub(super) fn grid_model(columns: usize, rows: usize, width: f64, height: f64) -> Model {
     let point = |i: usize| {
         let (row, column) = ((i / columns) as f64, (i % columns) as f64);
-        Vec3::new(width * column / (columns - 1) as f64, 0.0, -height * row / (rows - 1) as f64)
+        Vec3::new(
+            width * column / (columns - 1) as f64,
+            0.0,
+            -height * row / (rows - 1) as f64,
+        )
     };
     let faces = grid_faces(columns as u32, rows as u32, false);
     let leaflet = vec![0; faces.len()];
-    model_of((0..columns * rows).map(point).collect(), faces, leaflet, vec![], vec![])
+    model_of(
+        (0..columns * rows).map(point).collect(),
+        faces,
+        leaflet,
+        vec![],
+        vec![],
+    )
 }
 
 /// A flat square sheet in the x-y plane of `n × n` squares, of one leaflet or of two that join at half its width.
 pub(super) fn sheet(n: usize, size: f64, leaflets: u32) -> Model {
     let columns = n + 1;
     let step = size / n as f64;
-    let points = (0..columns * columns).map(|i| Vec3::new((i % columns) as f64 * step, (i / columns) as f64 * step, 0.0));
+    let points = (0..columns * columns)
+        .map(|i| Vec3::new((i % columns) as f64 * step, (i / columns) as f64 * step, 0.0));
     let faces = grid_faces(columns as u32, columns as u32, false);
-    let half = |i: usize| if i / 2 % n < n.div_ceil(2) || leaflets == 1 { 0 } else { 1 };
+    let half = |i: usize| {
+        if i / 2 % n < n.div_ceil(2) || leaflets == 1 {
+            0
+        } else {
+            1
+        }
+    };
     let leaflet = (0..faces.len()).map(half).collect();
     model_of(points.collect(), faces, leaflet, vec![], vec![])
 }
@@ -105,25 +129,46 @@ fn two_leaflets(columns: usize, rows: usize, point: impl Fn(f64, usize, f64) -> 
         for row in 0..rows {
             points.extend((0..columns).map(|c| point(c as f64 / (columns - 1) as f64, row, side)));
         }
-        faces.extend(grid_faces(columns as u32, rows as u32, false).iter().map(|f| f.map(|v| v + first)));
+        faces.extend(
+            grid_faces(columns as u32, rows as u32, false)
+                .iter()
+                .map(|f| f.map(|v| v + first)),
+        );
     }
-    let leaflet = (0..faces.len()).map(|f| u32::from(f >= faces.len() / 2)).collect();
+    let leaflet = (0..faces.len())
+        .map(|f| u32::from(f >= faces.len() / 2))
+        .collect();
     let (c, r) = (columns as u32, rows as u32);
     let annulus = (0..c).chain((r * c..(r + 1) * c).rev()).collect();
-    let margin = |first: u32| Margin { vertices: (first..first + c).collect(), closed: false };
-    model_of(points, faces, leaflet, annulus, vec![margin((r - 1) * c), margin((2 * r - 1) * c)])
+    let margin = |first: u32| Margin {
+        vertices: (first..first + c).collect(),
+        closed: false,
+    };
+    model_of(
+        points,
+        faces,
+        leaflet,
+        annulus,
+        vec![margin((r - 1) * c), margin((2 * r - 1) * c)],
+    )
 }
 
 /// Two strips of 20 × 5 mm, parallel at a distance.
 pub(super) fn two_strips(columns: usize, rows: usize, gap: f64) -> Model {
-    two_leaflets(columns + 1, rows + 1, |x, row, side| Vec3::new(20.0 * x, side * gap / 2.0, -5.0 * row as f64 / rows as f64))
+    two_leaflets(columns + 1, rows + 1, |x, row, side| {
+        Vec3::new(20.0 * x, side * gap / 2.0, -5.0 * row as f64 / rows as f64)
+    })
 }
 
 /// Two strips 20 mm wide that lie 0.4 mm apart over some depth and part above at 45° each over 5 mm of height.
 pub(super) fn flared_strips(columns: usize, n: usize, depth: f64) -> Model {
     two_leaflets(columns + 1, 2 * n + 1, |x, row, side| {
         let up = (n as f64 - row as f64) / n as f64;
-        let (z, aside) = if up > 0.0 { (5.0 * up, 5.0 * up) } else { (depth * up, 0.0) };
+        let (z, aside) = if up > 0.0 {
+            (5.0 * up, 5.0 * up)
+        } else {
+            (depth * up, 0.0)
+        };
         Vec3::new(20.0 * x, side * (0.2 + aside), z)
     })
 }
@@ -141,8 +186,17 @@ pub(super) fn tube(around: usize, rows: usize, radius: f64) -> Model {
     let faces = grid_faces(columns, rows as u32 + 1, true);
     let leaflet = vec![0; faces.len()];
     let last = rows as u32 * columns;
-    let margin = Margin { vertices: (last..last + columns).collect(), closed: true };
-    model_of(points.collect(), faces, leaflet, (0..columns).collect(), vec![margin])
+    let margin = Margin {
+        vertices: (last..last + columns).collect(),
+        closed: true,
+    };
+    model_of(
+        points.collect(),
+        faces,
+        leaflet,
+        (0..columns).collect(),
+        vec![margin],
+    )
 }
 
 /// A tube of 12 mm radius made of two leaflets of `n` columns each that join at both commissures, on x = ±12.
@@ -156,7 +210,10 @@ pub(super) fn commissure_valve(n: usize, rows: usize) -> Model {
     for (f, leaflet) in model.face_leaflet.iter_mut().enumerate() {
         *leaflet = u32::from(f / 2 % columns >= n);
     }
-    let leaflet = |name: &str| LeafletTissue { name: name.into(), thickness_mm: 1.0 };
+    let leaflet = |name: &str| LeafletTissue {
+        name: name.into(),
+        thickness_mm: 1.0,
+    };
     model.leaflets = vec![leaflet("anterior"), leaflet("posterior")];
     model
 }
@@ -170,13 +227,19 @@ pub(super) fn fold_state(model: &Model, gap: f64) -> Vec<Vec3> {
 /// the parabolas y = ±(0.2 + b (1 - (x/a)²)).
 pub(super) fn lens_state(model: &Model, slits: &[(f64, f64, f64)]) -> Vec<Vec3> {
     let half = |&(middle, a, b): &(f64, f64, f64), x: f64| b * (1.0 - ((x - middle) / a).powi(2)).max(0.0);
-    pressed(model, |x| 0.2 + slits.iter().map(|slit| half(slit, x)).sum::<f64>())
+    pressed(model, |x| {
+        0.2 + slits.iter().map(|slit| half(slit, x)).sum::<f64>()
+    })
 }
 
 fn pressed(model: &Model, half_width: impl Fn(f64) -> f64) -> Vec<Vec3> {
     let press = |p: &Vec3| {
         let open = p.y.abs() * (1.0 + p.z / 5.0).max(0.0);
-        let y = if p.y == 0.0 { 0.0 } else { half_width(p.x).max(open).min(p.y.abs().max(0.2)) };
+        let y = if p.y == 0.0 {
+            0.0
+        } else {
+            half_width(p.x).max(open).min(p.y.abs().max(0.2))
+        };
         Vec3::new(p.x, y.copysign(p.y), p.z)
     };
     model.rest_mm.iter().map(press).collect()
