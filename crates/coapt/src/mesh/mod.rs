@@ -1,7 +1,7 @@
 //! Triangles, edges, loops, landmarks; the parametric valve.
 
 pub mod landmarks;
+pub mod parametric;
 pub mod point_grid;
 pub mod polyline;
 pub mod topology;
-pub mod parametric;

@@ -90,7 +90,8 @@ fn flippable(
     let at = |v: u32| sheet.points_mm[v as usize];
     let cotangent = |p: Vec3, q: Vec3| p.dot(&q) / p.cross(&q).norm().max(f64::MIN_POSITIVE);
     let sum = cotangent(at(b) - at(a), at(c) - at(a)) + cotangent(at(b) - at(d), at(c) - at(d));
-    let keeps_sense = signed_area(sheet, turn_mm, [a, b, d]) > 0.0 && signed_area(sheet, turn_mm, [a, d, c]) > 0.0;
+    let keeps_sense =
+        signed_area(sheet, turn_mm, [a, b, d]) > 0.0 && signed_area(sheet, turn_mm, [a, d, c]) > 0.0;
     (sum < -1e-6 && keeps_sense).then_some((other, opposite))
 }
 
@@ -129,7 +130,10 @@ fn flip(
 fn signed_area(sheet: &Sheet, turn_mm: f64, [a, b, c]: [u32; 3]) -> f64 {
     let from_a = |v: u32| {
         let (v, a) = (v as usize, a as usize);
-        (wrapped(sheet.arc_mm[v] - sheet.arc_mm[a], turn_mm), sheet.depth_mm[v] - sheet.depth_mm[a])
+        (
+            wrapped(sheet.arc_mm[v] - sheet.arc_mm[a], turn_mm),
+            sheet.depth_mm[v] - sheet.depth_mm[a],
+        )
     };
     let ((bx, by), (cx, cy)) = (from_a(b), from_a(c));
     bx * cy - by * cx
@@ -224,7 +228,11 @@ fn fan_shape(sheet: &Sheet, fan: &[u32], turn_mm: f64) -> (f64, f64) {
     for &f in fan {
         let face = sheet.faces[f as usize];
         let folded = signed_area(sheet, turn_mm, face) <= 0.0;
-        let value = if folded { -1.0 } else { shape(face.map(|w| sheet.points_mm[w as usize])) };
+        let value = if folded {
+            -1.0
+        } else {
+            shape(face.map(|w| sheet.points_mm[w as usize]))
+        };
         worst = worst.min(value);
         sum += value;
     }

@@ -24,7 +24,13 @@ pub enum Preset {
 
 impl Preset {
     /// All presets.
-    pub const ALL: [Self; 5] = [Self::Healthy, Self::Dilated, Self::Flail, Self::Barlow, Self::Restricted];
+    pub const ALL: [Self; 5] = [
+        Self::Healthy,
+        Self::Dilated,
+        Self::Flail,
+        Self::Barlow,
+        Self::Restricted,
+    ];
 
     /// Name as written in scenes and on the command line.
     pub fn name(self) -> &'static str {
@@ -46,7 +52,10 @@ impl Preset {
 impl ValveParameters {
     /// The parameters of a preset.
     pub fn preset(preset: Preset) -> Self {
-        let mut valve = Self { name: preset.name().into(), ..Self::default() };
+        let mut valve = Self {
+            name: preset.name().into(),
+            ..Self::default()
+        };
         match preset {
             Preset::Healthy => {}
             Preset::Dilated => dilate(&mut valve),
