@@ -1,1 +1,5 @@
 //! Reading and writing.
+
+pub mod atomic;
+
+pub mod mesh;
