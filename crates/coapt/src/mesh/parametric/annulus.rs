@@ -37,7 +37,11 @@ impl AnnulusCurve {
         let end_of_anterior = PI - start;
         // The angle's speed jumps where the semi-ellipses meet: no table step may run across.
         let mut breaks = vec![end_of_anterior, start + TAU];
-        breaks.extend([0.0, PI, TAU].into_iter().filter(|&joint| joint > start && joint < start + TAU));
+        breaks.extend(
+            [0.0, PI, TAU]
+                .into_iter()
+                .filter(|&joint| joint > start && joint < start + TAU),
+        );
         breaks.sort_by(f64::total_cmp);
         let (mut angle, mut arc, mut anterior_length_mm) = (vec![start], vec![0.0], 0.0);
         let mut from = start;
@@ -52,15 +56,28 @@ impl AnnulusCurve {
             }
             from = to;
         }
-        Self { dimensions: *dimensions, anterior_length_mm, length_mm: arc[arc.len() - 1], angle, arc }
+        Self {
+            dimensions: *dimensions,
+            anterior_length_mm,
+            length_mm: arc[arc.len() - 1],
+            angle,
+            arc,
+        }
     }
 
     /// Point at an arc length [mm], which may lie outside one turn.
     pub(super) fn at_arc(&self, arc_mm: f64) -> Vec3 {
         let arc_mm = arc_mm.rem_euclid(self.length_mm);
-        let after = self.arc.partition_point(|&a| a <= arc_mm).clamp(1, self.arc.len() - 1);
+        let after = self
+            .arc
+            .partition_point(|&a| a <= arc_mm)
+            .clamp(1, self.arc.len() - 1);
         let step = self.arc[after] - self.arc[after - 1];
-        let fraction = if step > 0.0 { (arc_mm - self.arc[after - 1]) / step } else { 0.0 };
+        let fraction = if step > 0.0 {
+            (arc_mm - self.arc[after - 1]) / step
+        } else {
+            0.0
+        };
         let angle = self.angle[after - 1] + fraction * (self.angle[after] - self.angle[after - 1]);
         at_angle(&self.dimensions, angle)
     }
@@ -81,7 +98,10 @@ impl AnnulusCurve {
     /// Trigone on the anterolateral (left) and on the posteromedial (right) side.
     pub(super) fn trigones(&self) -> [Vec3; 2] {
         let angle = landmark_angle(&self.dimensions, self.dimensions.trigone_half_angle_deg);
-        [at_angle(&self.dimensions, angle), at_angle(&self.dimensions, PI - angle)]
+        [
+            at_angle(&self.dimensions, angle),
+            at_angle(&self.dimensions, PI - angle),
+        ]
     }
 
     /// Mean height along the curve [mm].
@@ -111,7 +131,11 @@ fn at_angle(dimensions: &AnnulusDimensions, angle: f64) -> Vec3 {
     } else {
         (posterior, dimensions.posterior_height_mm)
     };
-    Vec3::new(0.5 * dimensions.transverse_mm * cosine, depth * sine, height * sine * sine)
+    Vec3::new(
+        0.5 * dimensions.transverse_mm * cosine,
+        depth * sine,
+        height * sine * sine,
+    )
 }
 
 /// Length of a short piece [mm] by Gauss's rule of three points.
@@ -131,7 +155,12 @@ fn speed(dimensions: &AnnulusDimensions, angle: f64) -> f64 {
     } else {
         (posterior, dimensions.posterior_height_mm)
     };
-    Vec3::new(-0.5 * dimensions.transverse_mm * sine, depth * cosine, 2.0 * height * sine * cosine).norm()
+    Vec3::new(
+        -0.5 * dimensions.transverse_mm * sine,
+        depth * cosine,
+        2.0 * height * sine * cosine,
+    )
+    .norm()
 }
 
 /// Ellipse angle, on the anterolateral side, of the point seen at an angle from mid-anterior. Seen from the middle
@@ -149,7 +178,11 @@ fn landmark_angle(dimensions: &AnnulusDimensions, half_angle_deg: f64) -> f64 {
     let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if beyond(middle) > 0.0 { low = middle } else { high = middle }
+        if beyond(middle) > 0.0 {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     0.5 * (low + high)
 }
@@ -159,7 +192,9 @@ mod tests {
     use super::*;
 
     fn polyline(curve: &AnnulusCurve) -> Vec<Vec3> {
-        (0..2000).map(|i| curve.at_arc(curve.length_mm * i as f64 / 2000.0)).collect()
+        (0..2000)
+            .map(|i| curve.at_arc(curve.length_mm * i as f64 / 2000.0))
+            .collect()
     }
 
     /// Non-planarity angle [°] seen from the middle of the transverse axis.
@@ -195,7 +230,11 @@ mod tests {
                 .map(|i| (points[i], points[(i + 1) % points.len()]))
                 .map(|(p, q)| p.x * q.y - q.x * p.y)
                 .sum();
-            assert!((curve.length_mm - perimeter).abs() < 0.6, "{cc} {}", curve.length_mm);
+            assert!(
+                (curve.length_mm - perimeter).abs() < 0.6,
+                "{cc} {}",
+                curve.length_mm
+            );
             // Positive: counter-clockwise seen from the atrium.
             assert!((0.5 * doubled - area).abs() < 0.6, "{cc} {doubled}");
             assert!((non_planarity_deg(&dimensions) - angle).abs() < 0.6);

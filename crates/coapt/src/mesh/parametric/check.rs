@@ -22,11 +22,20 @@ pub(super) fn faults(parameters: &ValveParameters) -> Vec<Fault> {
         .into_iter()
         .filter(outside)
         .map(|(key, value, low, high)| {
-            Fault::error(&key, format!("{key} is {value}; expected a number from {low} to {high}"))
+            Fault::error(
+                &key,
+                format!("{key} is {value}; expected a number from {low} to {high}"),
+            )
         })
         .collect();
-    let annuli = [("annulus", Some(&parameters.annulus)), ("chordae.rest_annulus", parameters.chordae.rest_annulus.as_ref())];
-    for (key, annulus) in annuli.into_iter().filter_map(|(key, annulus)| Some((key, annulus?))) {
+    let annuli = [
+        ("annulus", Some(&parameters.annulus)),
+        ("chordae.rest_annulus", parameters.chordae.rest_annulus.as_ref()),
+    ];
+    for (key, annulus) in annuli
+        .into_iter()
+        .filter_map(|(key, annulus)| Some((key, annulus?)))
+    {
         if annulus.trigone_half_angle_deg >= annulus.commissure_half_angle_deg {
             faults.push(Fault::error(
                 format!("{key}.trigone_half_angle_deg"),
@@ -45,7 +54,13 @@ pub(super) fn fold_fault(parameters: &ValveParameters, surface: &Surface) -> Opt
     // Beyond nine tenths of the way to the middle the two sides of the funnel all but touch.
     let share = (0..360)
         .map(|i| surface.inward_share(surface.annulus.length_mm * f64::from(i) / 360.0))
-        .fold(0.0, f64::max);
+        .fold(0.0, |most: f64, share| {
+            if share.is_finite() {
+                most.max(share)
+            } else {
+                f64::INFINITY
+            }
+        });
     (share > 0.9).then(|| {
         Fault::error(
             "leaflets.opening_angle_deg",
@@ -66,9 +81,24 @@ fn general_bounds(p: &ValveParameters) -> Vec<Bound> {
             ("face_count_target", f64::from(p.face_count_target), 100.0, 1e6),
             ("pressure_mmhg", p.pressure_mmhg, 0.0, 300.0),
             ("jitter_mm", p.jitter_mm, 0.0, 10.0),
-            ("closed_shape.closure_line_fraction", closed.closure_line_fraction, 0.1, 0.9),
-            ("closed_shape.tenting_height_mm", closed.tenting_height_mm, -10.0, 20.0),
-            ("closed_shape.coaptation_length_mm", closed.coaptation_length_mm, 0.0, 20.0),
+            (
+                "closed_shape.closure_line_fraction",
+                closed.closure_line_fraction,
+                0.1,
+                0.9,
+            ),
+            (
+                "closed_shape.tenting_height_mm",
+                closed.tenting_height_mm,
+                -10.0,
+                20.0,
+            ),
+            (
+                "closed_shape.coaptation_length_mm",
+                closed.coaptation_length_mm,
+                0.0,
+                20.0,
+            ),
             (
                 "closed_shape.commissural_coaptation_length_mm",
                 closed.commissural_coaptation_length_mm,
@@ -89,8 +119,18 @@ fn annulus_bounds(prefix: &str, annulus: &AnnulusDimensions) -> Vec<Bound> {
             ("anterior_fraction", annulus.anterior_fraction, 0.2, 0.8),
             ("anterior_height_mm", annulus.anterior_height_mm, 0.0, 30.0),
             ("posterior_height_mm", annulus.posterior_height_mm, 0.0, 30.0),
-            ("commissure_half_angle_deg", annulus.commissure_half_angle_deg, 30.0, 120.0),
-            ("trigone_half_angle_deg", annulus.trigone_half_angle_deg, 5.0, 90.0),
+            (
+                "commissure_half_angle_deg",
+                annulus.commissure_half_angle_deg,
+                30.0,
+                120.0,
+            ),
+            (
+                "trigone_half_angle_deg",
+                annulus.trigone_half_angle_deg,
+                5.0,
+                90.0,
+            ),
         ],
     )
 }
@@ -113,25 +153,59 @@ fn leaflet_bounds(p: &ValveParameters) -> Vec<Bound> {
             ("opening_angle_deg", l.opening_angle_deg, -30.0, 80.0),
             ("annular_turn_deg", l.annular_turn_deg, -60.0, 90.0),
             ("thickness_mm", l.thickness_mm, 0.01, 20.0),
-            ("tissue.pre_transition_modulus_mpa", pre_transition_modulus_mpa, 1e-6, 1e4),
+            (
+                "tissue.pre_transition_modulus_mpa",
+                pre_transition_modulus_mpa,
+                1e-6,
+                1e4,
+            ),
             ("tissue.transition_strain", transition_strain, 0.0, 2.0),
-            ("tissue.post_transition_modulus_mpa", post_transition_modulus_mpa, 1e-6, 1e4),
-            ("tissue.compression_modulus_ratio", compression_modulus_ratio, 0.0, 10.0),
+            (
+                "tissue.post_transition_modulus_mpa",
+                post_transition_modulus_mpa,
+                1e-6,
+                1e4,
+            ),
+            (
+                "tissue.compression_modulus_ratio",
+                compression_modulus_ratio,
+                0.0,
+                10.0,
+            ),
         ],
     );
-    bounds.extend(components("leaflets.anterior_heights_mm", l.anterior_heights_mm, 0.5, 60.0));
-    bounds.extend(components("leaflets.posterior_heights_mm", l.posterior_heights_mm, 0.5, 60.0));
+    bounds.extend(components(
+        "leaflets.anterior_heights_mm",
+        l.anterior_heights_mm,
+        0.5,
+        60.0,
+    ));
+    bounds.extend(components(
+        "leaflets.posterior_heights_mm",
+        l.posterior_heights_mm,
+        0.5,
+        60.0,
+    ));
     bounds
 }
 
 fn papillary_bounds(p: &ValveParameters) -> Vec<Bound> {
     let papillary = &p.papillary;
-    let mut bounds = named("papillary.", &[("head_spread_mm", papillary.head_spread_mm, 0.0, 20.0)]);
+    let mut bounds = named(
+        "papillary.",
+        &[("head_spread_mm", papillary.head_spread_mm, 0.0, 20.0)],
+    );
     for (key, point) in [
         ("papillary.anterolateral_mm", papillary.anterolateral_mm),
         ("papillary.posteromedial_mm", papillary.posteromedial_mm),
-        ("papillary.anterolateral_shift_mm", papillary.anterolateral_shift_mm),
-        ("papillary.posteromedial_shift_mm", papillary.posteromedial_shift_mm),
+        (
+            "papillary.anterolateral_shift_mm",
+            papillary.anterolateral_shift_mm,
+        ),
+        (
+            "papillary.posteromedial_shift_mm",
+            papillary.posteromedial_shift_mm,
+        ),
     ] {
         bounds.extend(components(key, point, -100.0, 100.0));
     }
@@ -143,15 +217,35 @@ fn chord_bounds(p: &ValveParameters) -> Vec<Bound> {
     named(
         "chordae.",
         &[
-            ("marginal_anterior", f64::from(chordae.marginal_anterior), 0.0, 200.0),
-            ("marginal_posterior", f64::from(chordae.marginal_posterior), 0.0, 200.0),
-            ("intermediate_per_leaflet", f64::from(chordae.intermediate_per_leaflet), 0.0, 200.0),
+            (
+                "marginal_anterior",
+                f64::from(chordae.marginal_anterior),
+                0.0,
+                200.0,
+            ),
+            (
+                "marginal_posterior",
+                f64::from(chordae.marginal_posterior),
+                0.0,
+                200.0,
+            ),
+            (
+                "intermediate_per_leaflet",
+                f64::from(chordae.intermediate_per_leaflet),
+                0.0,
+                200.0,
+            ),
             ("basal_posterior", f64::from(chordae.basal_posterior), 0.0, 200.0),
             ("branches", f64::from(chordae.branches), 1.0, 10.0),
             ("branch_position", chordae.branch_position, 0.05, 0.95),
             ("closed_strain", chordae.closed_strain, -0.5, 0.5),
             ("rest_length_scale", chordae.rest_length_scale, 0.1, 5.0),
-            ("ruptured_posterior_fraction", chordae.ruptured_posterior_fraction, 0.0, 1.0),
+            (
+                "ruptured_posterior_fraction",
+                chordae.ruptured_posterior_fraction,
+                0.0,
+                1.0,
+            ),
             ("marginal_diameter_mm", chordae.marginal_diameter_mm, 0.01, 10.0),
             ("marginal_modulus_mpa", chordae.marginal_modulus_mpa, 1e-3, 1e5),
             ("basal_diameter_mm", chordae.basal_diameter_mm, 0.01, 10.0),
@@ -161,9 +255,14 @@ fn chord_bounds(p: &ValveParameters) -> Vec<Bound> {
 }
 
 fn named(prefix: &str, bounds: &[(&str, f64, f64, f64)]) -> Vec<Bound> {
-    bounds.iter().map(|&(key, value, low, high)| (format!("{prefix}{key}"), value, low, high)).collect()
+    bounds
+        .iter()
+        .map(|&(key, value, low, high)| (format!("{prefix}{key}"), value, low, high))
+        .collect()
 }
 
 fn components(key: &str, values: [f64; 3], low: f64, high: f64) -> Vec<Bound> {
-    (0..3).map(|i| (format!("{key}[{i}]"), values[i], low, high)).collect()
+    (0..3)
+        .map(|i| (format!("{key}[{i}]"), values[i], low, high))
+        .collect()
 }

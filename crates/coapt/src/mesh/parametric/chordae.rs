@@ -47,7 +47,12 @@ pub(super) struct Heads {
 pub(super) fn heads(papillary: &PapillaryPositions) -> Heads {
     let spread = papillary.head_spread_mm;
     // The outer heads stand a little lower than the middle one.
-    let offsets = [[0.0, spread, -0.25 * spread], [0.0; 3], [0.0, -spread, -0.25 * spread]].map(Vec3::from);
+    let offsets = [
+        [0.0, spread, -0.25 * spread],
+        [0.0; 3],
+        [0.0, -spread, -0.25 * spread],
+    ]
+    .map(Vec3::from);
     let tips = [papillary.anterolateral_mm, papillary.posteromedial_mm].map(Vec3::from);
     let shifts = [papillary.anterolateral_shift_mm, papillary.posteromedial_shift_mm].map(Vec3::from);
     let before_mm = tips.map(|tip| offsets.map(|offset| tip + offset));
@@ -61,7 +66,11 @@ pub(super) fn heads(papillary: &PapillaryPositions) -> Heads {
 }
 
 /// The chord groups that have chordae.
-pub(super) fn chord_groups(parameters: &ValveParameters, surface: &Surface, sheet: &Sheet) -> Vec<ChordGroup> {
+pub(super) fn chord_groups(
+    parameters: &ValveParameters,
+    surface: &Surface,
+    sheet: &Sheet,
+) -> Vec<ChordGroup> {
     let margins = [Side::Anterior, Side::Posterior].map(|side| margin_fractions(surface, side));
     let plans = plan(&parameters.chordae, &margins);
     let insertions = insert(&plans, surface, sheet, &margins);
@@ -69,23 +78,29 @@ pub(super) fn chord_groups(parameters: &ValveParameters, surface: &Surface, shee
     let chordae = &parameters.chordae;
     let thin = (chordae.marginal_diameter_mm, chordae.marginal_modulus_mpa);
     let thick = (chordae.basal_diameter_mm, chordae.basal_modulus_mpa);
-    (meshes.into_iter().zip(GROUP_NAMES).zip([thin, thin, thick, thick]))
-        .filter(|((mesh, _), _)| !mesh.segments.is_empty())
-        .map(|((mesh, name), (diameter_mm, modulus_mpa))| ChordGroup {
-            name: name.into(),
-            mesh_file: None,
-            mesh: Some(mesh),
-            diameter_mm,
-            modulus_mpa,
-            rest_length_scale: chordae.rest_length_scale,
-        })
-        .collect()
+    (meshes
+        .into_iter()
+        .zip(GROUP_NAMES)
+        .zip([thin, thin, thick, thick]))
+    .filter(|((mesh, _), _)| !mesh.segments.is_empty())
+    .map(|((mesh, name), (diameter_mm, modulus_mpa))| ChordGroup {
+        name: name.into(),
+        mesh_file: None,
+        mesh: Some(mesh),
+        diameter_mm,
+        modulus_mpa,
+        rest_length_scale: chordae.rest_length_scale,
+    })
+    .collect()
 }
 
 /// All chordae of the pattern, but for ruptured ones.
 fn plan(pattern: &ChordPattern, margins: &[Vec<f64>; 2]) -> Vec<Plan> {
     let mut plans: Vec<Plan> = (0..2).map(commissural).collect();
-    for (side, count) in [(Side::Anterior, pattern.marginal_anterior), (Side::Posterior, pattern.marginal_posterior)] {
+    for (side, count) in [
+        (Side::Anterior, pattern.marginal_anterior),
+        (Side::Posterior, pattern.marginal_posterior),
+    ] {
         for chord in 0..count {
             let fractions = branch_order(pattern.branches)
                 .map(|branch| (f64::from(chord) + branch) / f64::from(count))
@@ -94,7 +109,8 @@ fn plan(pattern: &ChordPattern, margins: &[Vec<f64>; 2]) -> Vec<Plan> {
         }
     }
     for side in [Side::Anterior, Side::Posterior] {
-        plans.extend(evenly(pattern.intermediate_per_leaflet).map(|x| at_margin(INTERMEDIATE, side, vec![x])));
+        plans
+            .extend(evenly(pattern.intermediate_per_leaflet).map(|x| at_margin(INTERMEDIATE, side, vec![x])));
     }
     plans.extend(evenly(pattern.basal_posterior).map(|x| at_margin(BASAL, Side::Posterior, vec![x])));
     if pattern.struts {
@@ -116,7 +132,13 @@ fn is_ruptured(plan: &Plan, margin: &[f64], half_width: f64) -> bool {
 
 /// The chord to a commissure itself.
 fn commissural(muscle: usize) -> Plan {
-    Plan { group: MARGINAL, muscle, head: 1, side: Side::Anterior, across: vec![muscle as f64] }
+    Plan {
+        group: MARGINAL,
+        muscle,
+        head: 1,
+        side: Side::Anterior,
+        across: vec![muscle as f64],
+    }
 }
 
 /// A chord from the muscle of its own side: from the middle head near the commissure, else from the head nearer to
@@ -129,7 +151,13 @@ fn at_margin(group: usize, side: Side, across: Vec<f64>) -> Plan {
     };
     let near_commissure = middle.min(1.0 - middle) < COMMISSURAL_SHARE && group != BASAL;
     let head = if near_commissure { 1 } else { 2 * (side as usize) };
-    Plan { group, muscle: usize::from(!lateral), head, side, across }
+    Plan {
+        group,
+        muscle: usize::from(!lateral),
+        head,
+        side,
+        across,
+    }
 }
 
 fn evenly(count: u32) -> impl Iterator<Item = f64> {
@@ -148,7 +176,11 @@ fn invert(table: &[f64], value: f64) -> f64 {
     let last = table.len() - 1;
     let after = table.partition_point(|&entry| entry <= value).clamp(1, last);
     let step = table[after] - table[after - 1];
-    let share = if step > 0.0 { (value - table[after - 1]) / step } else { 0.0 };
+    let share = if step > 0.0 {
+        (value - table[after - 1]) / step
+    } else {
+        0.0
+    };
     (after as f64 - 1.0 + share) / last as f64
 }
 
@@ -169,7 +201,9 @@ fn insert(plans: &[Plan], surface: &Surface, sheet: &Sheet, margins: &[Vec<f64>;
     let most = plans.iter().map(|plan| plan.across.len()).max().unwrap_or(0);
     for branch in 0..most {
         for (plan, insertion) in plans.iter().zip(&mut insertions) {
-            let Some(&across) = plan.across.get(branch) else { continue };
+            let Some(&across) = plan.across.get(branch) else {
+                continue;
+            };
             let nearest = if plan.group == MARGINAL {
                 nearest_on_margin(surface, sheet, &margins[plan.side as usize], plan.side, across)
             } else {
@@ -184,7 +218,13 @@ fn insert(plans: &[Plan], surface: &Surface, sheet: &Sheet, margins: &[Vec<f64>;
     insertions
 }
 
-fn nearest_on_margin(surface: &Surface, sheet: &Sheet, margin: &[f64], side: Side, across: f64) -> Option<usize> {
+fn nearest_on_margin(
+    surface: &Surface,
+    sheet: &Sheet,
+    margin: &[f64],
+    side: Side,
+    across: f64,
+) -> Option<usize> {
     let wanted = interpolate(margin, across);
     let off = |vertex: usize| {
         let across = across_on(surface, side, sheet.arc_mm[vertex])?;
@@ -206,7 +246,9 @@ fn nearest_inside(surface: &Surface, sheet: &Sheet, side: Side, across: f64, dow
 fn nearest(sheet: &Sheet, fits: impl Fn(Place) -> bool, off: impl Fn(usize) -> Option<f64>) -> Option<usize> {
     let candidates = (0..sheet.points_mm.len()).filter(|&vertex| fits(sheet.place[vertex]));
     let measured = candidates.filter_map(|vertex| Some((off(vertex)?, vertex)));
-    measured.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, vertex)| vertex)
+    measured
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, vertex)| vertex)
 }
 
 /// Segments of each group, with rest lengths from the closed shape.
@@ -218,7 +260,11 @@ fn lines(
     sheet: &Sheet,
 ) -> [LineMesh; 4] {
     let pattern = &parameters.chordae;
-    let closed = ClosedShape::new(parameters, &pattern.rest_annulus.unwrap_or(parameters.annulus), surface);
+    let closed = ClosedShape::new(
+        parameters,
+        &pattern.rest_annulus.unwrap_or(parameters.annulus),
+        surface,
+    );
     let heads = heads(&parameters.papillary);
     let mut meshes: [LineMesh; 4] = std::array::from_fn(|_| LineMesh {
         rest_length_mm: Some(Vec::new()),
@@ -233,7 +279,10 @@ fn lines(
                 Some([sheet.points_mm[vertex], closed.at(plan.side, across, down)])
             })
             .collect();
-        let head = [heads.now_mm[plan.muscle][plan.head], heads.before_mm[plan.muscle][plan.head]];
+        let head = [
+            heads.now_mm[plan.muscle][plan.head],
+            heads.before_mm[plan.muscle][plan.head],
+        ];
         add_chord(&mut meshes[plan.group], pattern, head, &ends);
     }
     meshes
@@ -245,7 +294,10 @@ fn add_chord(mesh: &mut LineMesh, pattern: &ChordPattern, head: [Vec3; 2], ends:
         return;
     }
     let mut add_point = |point: Vec3| {
-        let known = mesh.points_mm.iter().position(|&other| Vec3::from(other) == point);
+        let known = mesh
+            .points_mm
+            .iter()
+            .position(|&other| Vec3::from(other) == point);
         known.unwrap_or_else(|| {
             mesh.points_mm.push(point.into());
             mesh.points_mm.len() - 1

@@ -29,7 +29,11 @@ pub(super) struct ClosedShape {
 
 impl ClosedShape {
     /// The closed shape of leaflets whose open shape is `surface`, in an annulus that may be another.
-    pub(super) fn new(parameters: &ValveParameters, dimensions: &AnnulusDimensions, surface: &Surface) -> Self {
+    pub(super) fn new(
+        parameters: &ValveParameters,
+        dimensions: &AnnulusDimensions,
+        surface: &Surface,
+    ) -> Self {
         let annulus = AnnulusCurve::new(dimensions);
         let target = parameters.closed_shape;
         // What of the commissural height does not hang runs inward and down at 45°.
@@ -81,7 +85,11 @@ impl ClosedShape {
         let length = fraction * self.line_arc_mm[STEPS];
         let after = self.line_arc_mm.partition_point(|&l| l <= length).clamp(1, STEPS);
         let (before_mm, after_mm) = (self.line_arc_mm[after - 1], self.line_arc_mm[after]);
-        let share = if after_mm > before_mm { (length - before_mm) / (after_mm - before_mm) } else { 0.0 };
+        let share = if after_mm > before_mm {
+            (length - before_mm) / (after_mm - before_mm)
+        } else {
+            0.0
+        };
         (after as f64 - 1.0 + share) / STEPS as f64
     }
 
@@ -90,7 +98,10 @@ impl ClosedShape {
         let anterior = self.annulus.at(Side::Anterior, parameter);
         let posterior = self.annulus.at(Side::Posterior, 1.0 - parameter);
         let mut point = anterior + (posterior - anterior) * self.target.closure_line_fraction;
-        let ends = [self.annulus.at(Side::Anterior, 0.0), self.annulus.at(Side::Anterior, 1.0)];
+        let ends = [
+            self.annulus.at(Side::Anterior, 0.0),
+            self.annulus.at(Side::Anterior, 1.0),
+        ];
         let front = self.annulus.at(Side::Anterior, 0.5);
         let back = self.annulus.at(Side::Posterior, 0.5);
         let middle_y = front.y + (back.y - front.y) * self.target.closure_line_fraction;

@@ -9,12 +9,15 @@ const NONE: u32 = u32::MAX;
 /// Rounds of flipping and sliding, and sweeps of sliding in each. Our choice: more changes nothing visible.
 const ROUNDS: usize = 5;
 const SWEEPS: usize = 3;
+/// Margin edges longer than this, over the mean edge, are halved. Our choice: the halves are no shorter than the others.
+const LONG_MARGIN_EDGE: f64 = 1.5;
 /// Shape from which on a vertex no longer needs its worst triangle to improve, only the sum.
 const GOOD_SHAPE: f64 = 0.8;
 
 /// Flips edges and slides vertices until the triangles are well shaped.
 pub(super) fn improve(sheet: &mut Sheet, surface: &Surface) {
     let turn_mm = surface.annulus.length_mm;
+    split_margin(sheet, surface);
     let mut neighbours = face_neighbours(&sheet.faces);
     for _ in 0..ROUNDS {
         flip_edges(sheet, &mut neighbours, turn_mm);
@@ -24,6 +27,45 @@ pub(super) fn improve(sheet: &mut Sheet, surface: &Surface) {
         }
     }
     flip_edges(sheet, &mut neighbours, turn_mm);
+}
+
+/// Halves long margin edges. Columns stand evenly along the annulus, so where the margin is steep its edges are long, and
+/// sliding alone cannot mend that.
+fn split_margin(sheet: &mut Sheet, surface: &Surface) {
+    let areas = sheet.faces.iter().map(|face| {
+        let [a, b, c] = face.map(|v| sheet.points_mm[v as usize]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    });
+    // Edge of the equilateral triangle of mean area.
+    let edge_mm = (areas.sum::<f64>() / sheet.faces.len() as f64 * 4.0 / 3.0_f64.sqrt()).sqrt();
+    let neighbours = face_neighbours(&sheet.faces);
+    for (face, across) in neighbours.iter().enumerate() {
+        for (corner, &beyond) in across.iter().enumerate() {
+            let (a, b, c) = rotated(sheet.faces[face], corner);
+            let length = (sheet.points_mm[b as usize] - sheet.points_mm[c as usize]).norm();
+            let hinge =
+                sheet.place[b as usize] == Place::Annulus || sheet.place[c as usize] == Place::Annulus;
+            if beyond == NONE && !hinge && length > LONG_MARGIN_EDGE * edge_mm {
+                let middle = add_margin_vertex(sheet, surface, b, c);
+                sheet.faces[face] = [a, b, middle];
+                sheet.faces.push([a, middle, c]);
+                sheet.sides.push(sheet.sides[face]);
+                break;
+            }
+        }
+    }
+}
+
+/// A vertex on the margin midway between two others.
+fn add_margin_vertex(sheet: &mut Sheet, surface: &Surface, b: u32, c: u32) -> u32 {
+    let (from, to) = (sheet.arc_mm[b as usize], sheet.arc_mm[c as usize]);
+    let arc_mm = from + 0.5 * wrapped(to - from, surface.annulus.length_mm);
+    let depth_mm = surface.height_mm(arc_mm);
+    sheet.arc_mm.push(arc_mm);
+    sheet.depth_mm.push(depth_mm);
+    sheet.place.push(Place::Margin);
+    sheet.points_mm.push(surface.at(arc_mm, depth_mm));
+    sheet.points_mm.len() as u32 - 1
 }
 
 /// Shape of a triangle: 1 equilateral, 0 degenerate (mean ratio).
@@ -90,7 +132,8 @@ fn flippable(
     let at = |v: u32| sheet.points_mm[v as usize];
     let cotangent = |p: Vec3, q: Vec3| p.dot(&q) / p.cross(&q).norm().max(f64::MIN_POSITIVE);
     let sum = cotangent(at(b) - at(a), at(c) - at(a)) + cotangent(at(b) - at(d), at(c) - at(d));
-    let keeps_sense = signed_area(sheet, turn_mm, [a, b, d]) > 0.0 && signed_area(sheet, turn_mm, [a, d, c]) > 0.0;
+    let keeps_sense =
+        signed_area(sheet, turn_mm, [a, b, d]) > 0.0 && signed_area(sheet, turn_mm, [a, d, c]) > 0.0;
     (sum < -1e-6 && keeps_sense).then_some((other, opposite))
 }
 
@@ -129,7 +172,10 @@ fn flip(
 fn signed_area(sheet: &Sheet, turn_mm: f64, [a, b, c]: [u32; 3]) -> f64 {
     let from_a = |v: u32| {
         let (v, a) = (v as usize, a as usize);
-        (wrapped(sheet.arc_mm[v] - sheet.arc_mm[a], turn_mm), sheet.depth_mm[v] - sheet.depth_mm[a])
+        (
+            wrapped(sheet.arc_mm[v] - sheet.arc_mm[a], turn_mm),
+            sheet.depth_mm[v] - sheet.depth_mm[a],
+        )
     };
     let ((bx, by), (cx, cy)) = (from_a(b), from_a(c));
     bx * cy - by * cx
@@ -224,7 +270,11 @@ fn fan_shape(sheet: &Sheet, fan: &[u32], turn_mm: f64) -> (f64, f64) {
     for &f in fan {
         let face = sheet.faces[f as usize];
         let folded = signed_area(sheet, turn_mm, face) <= 0.0;
-        let value = if folded { -1.0 } else { shape(face.map(|w| sheet.points_mm[w as usize])) };
+        let value = if folded {
+            -1.0
+        } else {
+            shape(face.map(|w| sheet.points_mm[w as usize]))
+        };
         worst = worst.min(value);
         sum += value;
     }

@@ -22,7 +22,8 @@ mod skirt;
 mod surface;
 
 pub use parameters::{
-    AnnulusDimensions, ChordPattern, ClosedShapeTarget, LeafletDimensions, PapillaryPositions, ValveParameters,
+    AnnulusDimensions, ChordPattern, ClosedShapeTarget, LeafletDimensions, PapillaryPositions,
+    ValveParameters,
 };
 pub use presets::Preset;
 
@@ -31,8 +32,8 @@ use self::skirt::{Place, Sheet};
 use self::surface::Surface;
 use crate::Vec3;
 use crate::scene::{
-    Annulus, Contact, Fault, Landmarks, Leaflet, Load, PapillaryMuscle, SCHEMA_VERSION, Scene, Settings, Space,
-    SurfaceMesh, Weld,
+    Annulus, Contact, Fault, Landmarks, Leaflet, Load, PapillaryMuscle, SCHEMA_VERSION, Scene, Settings,
+    Space, SurfaceMesh, Weld,
 };
 
 /// Makes a valve: leaflets `anterior` and `posterior` that share the points of both commissures, papillary muscles
@@ -61,13 +62,19 @@ pub fn generate(parameters: &ValveParameters) -> Result<Scene, Vec<Fault>> {
         space: Space::default(),
         leaflets: leaflets(parameters, &sheet),
         annulus: Annulus::default(),
-        papillary: vec![muscle("anterolateral", heads[0]), muscle("posteromedial", heads[1])],
+        papillary: vec![
+            muscle("anterolateral", heads[0]),
+            muscle("posteromedial", heads[1]),
+        ],
         chordae: chordae::chord_groups(parameters, &surface, &sheet),
         load: Load::mmhg(parameters.pressure_mmhg),
         contact: Contact::default(),
         landmarks: landmarks(&surface.annulus),
         // Everything that belongs together coincides exactly; a micrometre leaves room for rounding in text files.
-        weld: Weld { tolerance_mm: 1e-3, insertion_tolerance_mm: 1e-3 },
+        weld: Weld {
+            tolerance_mm: 1e-3,
+            insertion_tolerance_mm: 1e-3,
+        },
         settings: Settings::default(),
     })
 }
@@ -88,7 +95,14 @@ fn leaflets(parameters: &ValveParameters, sheet: &Sheet) -> Vec<Leaflet> {
 
 /// One leaflet of the sheet, its points renumbered in their order.
 fn part(sheet: &Sheet, side: Side) -> SurfaceMesh {
-    let own = || sheet.faces.iter().zip(&sheet.sides).filter(|(_, s)| **s == side).map(|(face, _)| face);
+    let own = || {
+        sheet
+            .faces
+            .iter()
+            .zip(&sheet.sides)
+            .filter(|(_, s)| **s == side)
+            .map(|(face, _)| face)
+    };
     let mut number = vec![u32::MAX; sheet.points_mm.len()];
     for &vertex in own().flatten() {
         number[vertex as usize] = 0;
@@ -149,7 +163,7 @@ fn in_unit_ball(state: &mut u64) -> Vec3 {
     }
 }
 
-/// SplitMix64 (Steele, Lea & Flood 2014), as a number in [0, 1).
+/// The `SplitMix64` generator (Steele, Lea & Flood 2014), as a number in [0, 1).
 fn unit(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;

@@ -57,9 +57,13 @@ pub(super) fn sheet(surface: &Surface, face_count: u32) -> Sheet {
 /// Arc length at which a column stands [mm].
 fn column_arc(surface: &Surface, columns: [usize; 2], column: usize) -> f64 {
     if column < columns[0] {
-        surface.annulus.arc_of(Side::Anterior, column as f64 / columns[0] as f64)
+        surface
+            .annulus
+            .arc_of(Side::Anterior, column as f64 / columns[0] as f64)
     } else {
-        surface.annulus.arc_of(Side::Posterior, (column - columns[0]) as f64 / columns[1] as f64)
+        surface
+            .annulus
+            .arc_of(Side::Posterior, (column - columns[0]) as f64 / columns[1] as f64)
     }
 }
 
@@ -77,10 +81,19 @@ fn divide(surface: &Surface, face_count: u32) -> Division {
     let mean_height = mean_height_mm(surface);
     let area = mean_height * surface.annulus.length_mm;
     let first_step = (2.0 * area / (f64::from(face_count) * spacing_over_step)).sqrt();
-    let mut best = (usize::MAX, Division { columns: [2, 2], step_mm: first_step });
+    let mut best = (
+        usize::MAX,
+        Division {
+            columns: [2, 2],
+            step_mm: first_step,
+        },
+    );
     for trial in 0..120 {
         let step_mm = first_step * (0.8 + 0.4 * f64::from(trial) / 119.0);
-        let division = Division { columns: column_counts(surface, step_mm * spacing_over_step), step_mm };
+        let division = Division {
+            columns: column_counts(surface, step_mm * spacing_over_step),
+            step_mm,
+        };
         let miss = face_total(surface, &division).abs_diff(face_count as usize);
         if miss < best.0 {
             best = (miss, division);
@@ -91,7 +104,10 @@ fn divide(surface: &Surface, face_count: u32) -> Division {
 
 fn mean_height_mm(surface: &Surface) -> f64 {
     let length = surface.annulus.length_mm;
-    (0..256).map(|i| surface.height_mm(length * f64::from(i) / 256.0)).sum::<f64>() / 256.0
+    (0..256)
+        .map(|i| surface.height_mm(length * f64::from(i) / 256.0))
+        .sum::<f64>()
+        / 256.0
 }
 
 fn column_counts(surface: &Surface, spacing_mm: f64) -> [usize; 2] {
@@ -122,15 +138,26 @@ fn columns(surface: &Surface, division: &Division) -> Sheet {
         sides: Vec::new(),
     };
     let count = division.columns[0] + division.columns[1];
-    let starts: Vec<usize> = (0..count).map(|column| add_column(&mut sheet, surface, division, column)).collect();
+    let starts: Vec<usize> = (0..count)
+        .map(|column| add_column(&mut sheet, surface, division, column))
+        .collect();
     let vertices = |column: usize| {
         let column = column % count;
         starts[column]..starts.get(column + 1).copied().unwrap_or(sheet.points_mm.len())
     };
     let ranges: Vec<_> = (0..=count).map(vertices).collect();
     for column in 0..count {
-        let side = if column < division.columns[0] { Side::Anterior } else { Side::Posterior };
-        zip(&mut sheet, ranges[column].clone(), ranges[column + 1].clone(), side);
+        let side = if column < division.columns[0] {
+            Side::Anterior
+        } else {
+            Side::Posterior
+        };
+        zip(
+            &mut sheet,
+            ranges[column].clone(),
+            ranges[column + 1].clone(),
+            side,
+        );
     }
     sheet
 }
@@ -151,8 +178,19 @@ fn add_column(sheet: &mut Sheet, surface: &Surface, division: &Division, column:
         } else if k == last {
             (height, if landmark { Place::Corner } else { Place::Margin })
         } else {
-            let position = if shifted { (k as f64 - 0.5) / (last - 1) as f64 } else { k as f64 / last as f64 };
-            (height * position, if commissure { Place::Commissure } else { Place::Interior })
+            let position = if shifted {
+                (k as f64 - 0.5) / (last - 1) as f64
+            } else {
+                k as f64 / last as f64
+            };
+            (
+                height * position,
+                if commissure {
+                    Place::Commissure
+                } else {
+                    Place::Interior
+                },
+            )
         };
         sheet.arc_mm.push(arc_mm);
         sheet.depth_mm.push(depth_mm);

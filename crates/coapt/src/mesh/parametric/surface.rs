@@ -61,7 +61,10 @@ impl Surface {
         if arc_mm <= anterior {
             (Side::Anterior, arc_mm / anterior)
         } else {
-            (Side::Posterior, (arc_mm - anterior) / (self.annulus.length_mm - anterior))
+            (
+                Side::Posterior,
+                (arc_mm - anterior) / (self.annulus.length_mm - anterior),
+            )
         }
     }
 
@@ -74,7 +77,8 @@ impl Surface {
                     .iter()
                     .map(|border| (-0.5 * ((across - border) / self.indentation_width).powi(2)).exp())
                     .sum();
-                monotone_cubic(&POSTERIOR_KNOTS, &self.posterior, across) * (1.0 - self.indentation_depth * dent)
+                monotone_cubic(&POSTERIOR_KNOTS, &self.posterior, across)
+                    * (1.0 - self.indentation_depth * dent)
             }
         }
     }
@@ -125,8 +129,6 @@ fn monotone_cubic(knots: &[f64; 5], values: &[f64; 5], x: f64) -> f64 {
     let width = knots[i + 1] - knots[i];
     let t = ((x - knots[i]) / width).clamp(0.0, 1.0);
     let (u, t2) = (1.0 - t, t * t);
-    values[i] * u * u * (1.0 + 2.0 * t)
-        + slope(i) * width * t * u * u
-        + values[i + 1] * t2 * (3.0 - 2.0 * t)
+    values[i] * u * u * (1.0 + 2.0 * t) + slope(i) * width * t * u * u + values[i + 1] * t2 * (3.0 - 2.0 * t)
         - slope(i + 1) * width * t2 * u
 }
