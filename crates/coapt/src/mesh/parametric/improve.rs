@@ -9,7 +9,8 @@ const NONE: u32 = u32::MAX;
 /// Rounds of flipping and sliding, and sweeps of sliding in each. Our choice: more changes nothing visible.
 const ROUNDS: usize = 5;
 const SWEEPS: usize = 3;
-/// Margin edges longer than this, over the mean edge, are halved. Our choice: the halves are no shorter than the others.
+/// Margin edges longer than this, over the mean edge, are halved. Our choice: the halves are no shorter than
+/// the others.
 const LONG_MARGIN_EDGE: f64 = 1.5;
 /// Shape from which on a vertex no longer needs its worst triangle to improve, only the sum.
 const GOOD_SHAPE: f64 = 0.8;
@@ -29,8 +30,8 @@ pub(super) fn improve(sheet: &mut Sheet, surface: &Surface) {
     flip_edges(sheet, &mut neighbours, turn_mm);
 }
 
-/// Halves long margin edges. Columns stand evenly along the annulus, so where the margin is steep its edges are long, and
-/// sliding alone cannot mend that.
+/// Halves long margin edges. Columns stand evenly along the annulus, so where the margin is steep its edges
+/// are long, and sliding alone cannot mend that.
 fn split_margin(sheet: &mut Sheet, surface: &Surface) {
     let areas = sheet.faces.iter().map(|face| {
         let [a, b, c] = face.map(|v| sheet.points_mm[v as usize]);

@@ -119,7 +119,8 @@ fn loops(boundary: &[[u32; 2]]) -> Vec<Vec<u32>> {
     loops
 }
 
-/// Depth is the length along the column: the sum of 2000 chords of an arc that turns by 0.2 rad is short by 1e-9.
+/// Depth is the length along the column: the sum of 2000 chords of an arc that turns by 0.2 rad is short by
+/// 1e-9.
 #[test]
 fn columns_are_as_long_as_the_leaflets_are_high() {
     let surface = Surface::new(&ValveParameters::default());
@@ -132,7 +133,8 @@ fn columns_are_as_long_as_the_leaflets_are_high() {
     }
 }
 
-/// The control heights are met where they are given, away from the indentations (whose tails at P1 to P3 are below 1e-3).
+/// The control heights are met where they are given, away from the indentations (whose tails at P1 to P3 are
+/// below 1e-3).
 #[test]
 fn heights_pass_through_their_controls() {
     let parameters = ValveParameters::default();
@@ -172,7 +174,8 @@ fn meshes_are_well_shaped_at_every_size() {
     }
 }
 
-/// The normal of the open funnel points inward everywhere, for the leaflets hang less than 90° from the vertical.
+/// The normal of the open funnel points inward everywhere, for the leaflets hang less than 90° from the
+/// vertical.
 #[test]
 fn normals_point_to_the_atrium() {
     for faces in SIZES {
@@ -255,7 +258,8 @@ fn the_open_valve_has_an_orifice() {
     }
 }
 
-/// Both margins end on one line, and no column is stretched beyond its knee at 25 %, nor slack by more than a fifth.
+/// Both margins end on one line, and no column is stretched beyond its knee at 25 %, nor slack by more than a
+/// fifth.
 #[test]
 fn the_closed_target_is_reachable() {
     let parameters = ValveParameters::default();

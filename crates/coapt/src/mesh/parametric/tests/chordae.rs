@@ -29,7 +29,8 @@ fn pre_stretch(group: &ChordGroup) -> Vec<f64> {
     .collect()
 }
 
-/// An open valve is unloaded: few chordae may be taut, and by little. Found: up to 2.3 % of them, by up to 0.6 %.
+/// An open valve is unloaded: few chordae may be taut, and by little. Found: up to 2.3 % of them, by up to
+/// 0.6 %.
 #[test]
 fn healthy_chordae_are_slack_while_the_valve_is_open() {
     for faces in [200, 650, 2600, 10_000] {
@@ -79,7 +80,8 @@ fn chordae_insert_exactly_and_only_once() {
     }
 }
 
-/// 8 anterior, 14 posterior and 2 commissural trunks, on both muscles; fans of three once the mesh can carry them.
+/// 8 anterior, 14 posterior and 2 commissural trunks, on both muscles; fans of three once the mesh can carry
+/// them.
 #[test]
 fn the_chord_pattern_is_that_of_a_heart() {
     let scene = valve(Preset::Healthy, 10_000);
@@ -103,8 +105,8 @@ fn the_chord_pattern_is_that_of_a_heart() {
     assert!(from_heads(coarse, 0) + from_heads(coarse, 1) >= 20);
 }
 
-/// The dilated valve's chordae are those of the healthy one: the same closed distances, up to where on the margin the
-/// mesh has its vertices (half an edge of 1.2 mm) and the slightly lower commissures.
+/// The dilated valve's chordae are those of the healthy one: the same closed distances, up to where on the
+/// margin the mesh has its vertices (half an edge of 1.2 mm) and the slightly lower commissures.
 #[test]
 fn dilated_chordae_keep_their_healthy_length() {
     let mean = |preset| {
