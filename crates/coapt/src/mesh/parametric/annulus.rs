@@ -14,8 +14,8 @@ pub(super) enum Side {
     Posterior,
 }
 
-/// Table steps along each piece between landmarks and joints. About 0.03 mm: interpolating the angle in between errs by
-/// less than 1e-5 mm along the curve.
+/// Table steps along each piece between landmarks and joints. About 0.03 mm: interpolating the angle in
+/// between errs by less than 1e-5 mm along the curve.
 const STEPS: usize = 1024;
 
 /// Annulus curve. Arc length runs from the anterolateral commissure counter-clockwise seen from the atrium.
@@ -163,9 +163,9 @@ fn speed(dimensions: &AnnulusDimensions, angle: f64) -> f64 {
     .norm()
 }
 
-/// Ellipse angle, on the anterolateral side, of the point seen at an angle from mid-anterior. Seen from the middle
-/// of the anteroposterior diameter: from there the published 121° make the anterior hinge a third of the annulus
-/// and the published 76° make the intertrigonal distance 19 mm (18 ± 2), as they should.
+/// Ellipse angle, on the anterolateral side, of the point seen at an angle from mid-anterior. Seen from the
+/// middle of the anteroposterior diameter: from there the published 121° make the anterior hinge a third of
+/// the annulus and the published 76° make the intertrigonal distance 19 mm (18 ± 2), as they should.
 fn landmark_angle(dimensions: &AnnulusDimensions, half_angle_deg: f64) -> f64 {
     let (sine, cosine) = half_angle_deg.to_radians().sin_cos();
     let [anterior, posterior] = half_depths_mm(dimensions);
@@ -204,8 +204,8 @@ mod tests {
             + (posterior / d.posterior_height_mm).atan().to_degrees()
     }
 
-    /// The closed formulas: area pi·CC·AP/4, and perimeters and angles computed once by independent quadrature,
-    /// printed to whole numbers; hence the tolerance of one half and a little.
+    /// The closed formulas: area pi·CC·AP/4, and perimeters and angles computed once by independent
+    /// quadrature, printed to whole numbers; hence the tolerance of one half and a little.
     #[test]
     fn agrees_with_the_check_values() {
         let rows = [
@@ -241,8 +241,8 @@ mod tests {
         }
     }
 
-    /// A chord of 0.05 mm is shorter than its arc by 1e-5 at the sharpest bend (radius 6.6 mm) at most, and the table
-    /// errs by less than 1e-5 mm.
+    /// A chord of 0.05 mm is shorter than its arc by 1e-5 at the sharpest bend (radius 6.6 mm) at most, and
+    /// the table errs by less than 1e-5 mm.
     #[test]
     fn runs_at_unit_speed() {
         let curve = AnnulusCurve::new(&AnnulusDimensions::default());

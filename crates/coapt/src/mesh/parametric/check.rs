@@ -54,7 +54,13 @@ pub(super) fn fold_fault(parameters: &ValveParameters, surface: &Surface) -> Opt
     // Beyond nine tenths of the way to the middle the two sides of the funnel all but touch.
     let share = (0..360)
         .map(|i| surface.inward_share(surface.annulus.length_mm * f64::from(i) / 360.0))
-        .fold(0.0, f64::max);
+        .fold(0.0, |most: f64, share| {
+            if share.is_finite() {
+                most.max(share)
+            } else {
+                f64::INFINITY
+            }
+        });
     (share > 0.9).then(|| {
         Fault::error(
             "leaflets.opening_angle_deg",

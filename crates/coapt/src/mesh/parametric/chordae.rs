@@ -1,5 +1,5 @@
-//! The chordae: which parts of the leaflets they reach, from which papillary head, how they branch and how long
-//! they are when slack.
+//! The chordae: which parts of the leaflets they reach, from which papillary head, how they branch and how
+//! long they are when slack.
 
 use super::annulus::Side;
 use super::closed_shape::{ClosedShape, interpolate, margin_fractions};
@@ -16,10 +16,11 @@ const INTERMEDIATE: usize = 1;
 const BASAL: usize = 2;
 const STRUT: usize = 3;
 
-/// How far down the leaflet the inner chordae insert [1]. Struts at 60 % of the height and basal chordae in the third
-/// next to the annulus: Lam 1970 and our choice; intermediate ones in the rough zone: our choice.
+/// How far down the leaflet the inner chordae insert [1]. Struts at 60 % of the height and basal chordae in
+/// the third next to the annulus: Lam 1970 and our choice; intermediate ones in the rough zone: our choice.
 const DOWN: [f64; 4] = [1.0, 0.75, 0.33, 0.6];
-/// Struts insert this far to either side of the middle of the anterior leaflet [share of the hinge]: at 4 and 8 o'clock.
+/// Struts insert this far to either side of the middle of the anterior leaflet [share of the hinge]: at 4 and
+/// 8 o'clock.
 const STRUT_OFFSET: f64 = 0.18;
 /// Distance between the branches of a strut [share of the hinge]. Our choice, about 2 mm.
 const STRUT_SPREAD: f64 = 0.05;
@@ -36,8 +37,8 @@ struct Plan {
     across: Vec<f64>,
 }
 
-/// Heads of both muscles [mm]: anterior, middle, posterior. Where they are, and where they were when the chordae had
-/// the right length.
+/// Heads of both muscles [mm]: anterior, middle, posterior. Where they are, and where they were when the
+/// chordae had the right length.
 pub(super) struct Heads {
     pub(super) now_mm: [[Vec3; 3]; 2],
     before_mm: [[Vec3; 3]; 2],
@@ -141,8 +142,8 @@ fn commissural(muscle: usize) -> Plan {
     }
 }
 
-/// A chord from the muscle of its own side: from the middle head near the commissure, else from the head nearer to
-/// its leaflet.
+/// A chord from the muscle of its own side: from the middle head near the commissure, else from the head
+/// nearer to its leaflet.
 fn at_margin(group: usize, side: Side, across: Vec<f64>) -> Plan {
     let middle = across[0];
     let lateral = match side {
@@ -193,8 +194,8 @@ fn across_on(surface: &Surface, side: Side, arc_mm: f64) -> Option<f64> {
     (from_start <= length + 1e-9).then_some(from_start / length)
 }
 
-/// The mesh vertices that each chord inserts at, shape `[chord][branch]`. On a coarse mesh branches that would share a
-/// vertex are merged: the first keeps it. All first branches come before all second ones.
+/// The mesh vertices that each chord inserts at, shape `[chord][branch]`. On a coarse mesh branches that
+/// would share a vertex are merged: the first keeps it. All first branches come before all second ones.
 fn insert(plans: &[Plan], surface: &Surface, sheet: &Sheet, margins: &[Vec<f64>; 2]) -> Vec<Vec<usize>> {
     let mut taken = vec![false; sheet.points_mm.len()];
     let mut insertions = vec![Vec::new(); plans.len()];

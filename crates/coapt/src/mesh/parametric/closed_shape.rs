@@ -1,7 +1,7 @@
 //! The closed shape that chordae are cut for: where every leaflet point is meant to be at peak systole.
 //!
-//! Both margins hang below one closure line, which runs from commissure to commissure parallel to the posterior
-//! annulus. It is a target for rest lengths, not a result.
+//! Both margins hang below one closure line, which runs from commissure to commissure parallel to the
+//! posterior annulus. It is a target for rest lengths, not a result.
 
 use super::annulus::{AnnulusCurve, Side};
 use super::parameters::{AnnulusDimensions, ClosedShapeTarget, ValveParameters};
@@ -76,7 +76,8 @@ impl ClosedShape {
         (self.line(parameter) - self.annulus.at(side, across)).norm() + self.hang_mm(parameter)
     }
 
-    /// Where on the closure line a leaflet column meets it: margins and closure line match in proportion to length.
+    /// Where on the closure line a leaflet column meets it: margins and closure line match in proportion to
+    /// length.
     fn line_parameter(&self, side: Side, across: f64) -> f64 {
         let fraction = match side {
             Side::Anterior => interpolate(&self.margin_fraction[0], across),

@@ -9,12 +9,16 @@ const NONE: u32 = u32::MAX;
 /// Rounds of flipping and sliding, and sweeps of sliding in each. Our choice: more changes nothing visible.
 const ROUNDS: usize = 5;
 const SWEEPS: usize = 3;
+/// Margin edges longer than this, over the mean edge, are halved. Our choice: the halves are no shorter than
+/// the others.
+const LONG_MARGIN_EDGE: f64 = 1.5;
 /// Shape from which on a vertex no longer needs its worst triangle to improve, only the sum.
 const GOOD_SHAPE: f64 = 0.8;
 
 /// Flips edges and slides vertices until the triangles are well shaped.
 pub(super) fn improve(sheet: &mut Sheet, surface: &Surface) {
     let turn_mm = surface.annulus.length_mm;
+    split_margin(sheet, surface);
     let mut neighbours = face_neighbours(&sheet.faces);
     for _ in 0..ROUNDS {
         flip_edges(sheet, &mut neighbours, turn_mm);
@@ -24,6 +28,45 @@ pub(super) fn improve(sheet: &mut Sheet, surface: &Surface) {
         }
     }
     flip_edges(sheet, &mut neighbours, turn_mm);
+}
+
+/// Halves long margin edges. Columns stand evenly along the annulus, so where the margin is steep its edges
+/// are long, and sliding alone cannot mend that.
+fn split_margin(sheet: &mut Sheet, surface: &Surface) {
+    let areas = sheet.faces.iter().map(|face| {
+        let [a, b, c] = face.map(|v| sheet.points_mm[v as usize]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    });
+    // Edge of the equilateral triangle of mean area.
+    let edge_mm = (areas.sum::<f64>() / sheet.faces.len() as f64 * 4.0 / 3.0_f64.sqrt()).sqrt();
+    let neighbours = face_neighbours(&sheet.faces);
+    for (face, across) in neighbours.iter().enumerate() {
+        for (corner, &beyond) in across.iter().enumerate() {
+            let (a, b, c) = rotated(sheet.faces[face], corner);
+            let length = (sheet.points_mm[b as usize] - sheet.points_mm[c as usize]).norm();
+            let hinge =
+                sheet.place[b as usize] == Place::Annulus || sheet.place[c as usize] == Place::Annulus;
+            if beyond == NONE && !hinge && length > LONG_MARGIN_EDGE * edge_mm {
+                let middle = add_margin_vertex(sheet, surface, b, c);
+                sheet.faces[face] = [a, b, middle];
+                sheet.faces.push([a, middle, c]);
+                sheet.sides.push(sheet.sides[face]);
+                break;
+            }
+        }
+    }
+}
+
+/// A vertex on the margin midway between two others.
+fn add_margin_vertex(sheet: &mut Sheet, surface: &Surface, b: u32, c: u32) -> u32 {
+    let (from, to) = (sheet.arc_mm[b as usize], sheet.arc_mm[c as usize]);
+    let arc_mm = from + 0.5 * wrapped(to - from, surface.annulus.length_mm);
+    let depth_mm = surface.height_mm(arc_mm);
+    sheet.arc_mm.push(arc_mm);
+    sheet.depth_mm.push(depth_mm);
+    sheet.place.push(Place::Margin);
+    sheet.points_mm.push(surface.at(arc_mm, depth_mm));
+    sheet.points_mm.len() as u32 - 1
 }
 
 /// Shape of a triangle: 1 equilateral, 0 degenerate (mean ratio).

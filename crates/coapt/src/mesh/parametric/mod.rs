@@ -5,11 +5,11 @@
 //!                                                \--closed_shape--> chord rest lengths ---------/
 //! ```
 //!
-//! The annulus is a saddle-shaped D, the leaflets hang from it as one funnel, and the chordae are as long as a target
-//! closed shape needs them (the rule of paper 003, which takes them from the image of the closed valve).
-//! Axes: +x to the anterolateral commissure, +y anterior, +z to the atrium; the frame is the model's own, not a
-//! patient's, and it shows the mirror image of a heart in which the anterolateral commissure lies to the left of the
-//! aorta when seen from the atrium. Mechanics and measures do not depend on it.
+//! The annulus is a saddle-shaped D, the leaflets hang from it as one funnel, and the chordae are as long as
+//! a target closed shape needs them (the rule of paper 003, which takes them from the image of the closed
+//! valve). Axes: +x to the anterolateral commissure, +y anterior, +z to the atrium; the frame is the model's
+//! own, not a patient's, and it shows the mirror image of a heart in which the anterolateral commissure lies
+//! to the left of the aorta when seen from the atrium. Mechanics and measures do not depend on it.
 
 mod annulus;
 mod check;
@@ -36,14 +36,15 @@ use crate::scene::{
     Space, SurfaceMesh, Weld,
 };
 
-/// Makes a valve: leaflets `anterior` and `posterior` that share the points of both commissures, papillary muscles
-/// `anterolateral` and `posteromedial`, chord groups `marginal`, `intermediate`, `basal` and `strut`.
+/// Makes a valve: leaflets `anterior` and `posterior` that share the points of both commissures, papillary
+/// muscles `anterolateral` and `posteromedial`, chord groups `marginal`, `intermediate`, `basal` and `strut`.
 ///
 /// The same parameters give the same bytes.
 ///
 /// # Errors
 ///
-/// Every parameter outside its range, by key, value and range; or leaflets that cannot hang open in this annulus.
+/// Every parameter outside its range, by key, value and range; or leaflets that cannot hang open in this
+/// annulus.
 pub fn generate(parameters: &ValveParameters) -> Result<Scene, Vec<Fault>> {
     let faults = check::faults(parameters);
     if !faults.is_empty() {
@@ -70,7 +71,8 @@ pub fn generate(parameters: &ValveParameters) -> Result<Scene, Vec<Fault>> {
         load: Load::mmhg(parameters.pressure_mmhg),
         contact: Contact::default(),
         landmarks: landmarks(&surface.annulus),
-        // Everything that belongs together coincides exactly; a micrometre leaves room for rounding in text files.
+        // Everything that belongs together coincides exactly; a micrometre leaves room for rounding in text
+        // files.
         weld: Weld {
             tolerance_mm: 1e-3,
             insertion_tolerance_mm: 1e-3,
@@ -163,7 +165,7 @@ fn in_unit_ball(state: &mut u64) -> Vec3 {
     }
 }
 
-/// SplitMix64 (Steele, Lea & Flood 2014), as a number in [0, 1).
+/// The `SplitMix64` generator (Steele, Lea & Flood 2014), as a number in [0, 1).
 fn unit(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;

@@ -1,8 +1,9 @@
-//! What a parametric valve is made from. Lengths in mm, angles in degrees; every default says where it is from.
+//! What a parametric valve is made from. Lengths in mm, angles in degrees; every default says where it is
+//! from.
 //!
-//! Axes: origin in the plane of the widest transverse points, +x to the anterolateral commissure, +y anterior,
-//! +z to the atrium. Tags used below: "paper 000 ... 004" are the papers this library builds on; the others are
-//! cited by author; "our choice" is a modelling choice.
+//! Axes: origin in the plane of the widest transverse points, +x to the anterolateral commissure, +y
+//! anterior, +z to the atrium. Tags used below: "paper 000 ... 004" are the papers this library builds on;
+//! the others are cited by author; "our choice" is a modelling choice.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,8 +16,8 @@ use crate::scene::Tissue;
 pub struct ValveParameters {
     /// What the case is called in reports.
     pub name: String,
-    /// About so many triangles, both leaflets together; the mesh has this many within 10 %. Our choice: 2600 is
-    /// four times the 639 and 674 faces of paper 003.
+    /// About so many triangles, both leaflets together; the presets' meshes have this many within 10 %. Our
+    /// choice: 2600 is four times the 639 and 674 faces of paper 003.
     pub face_count_target: u32,
     /// Peak systolic transvalvular pressure [mmHg]. 100 is our choice within 70-85 (paper 003) to 120.
     pub pressure_mmhg: f64,
@@ -71,7 +72,7 @@ pub struct AnnulusDimensions {
     /// Height of the posterior horn [mm]. 2.2 follows from the non-planarity angle of 145° of the same group.
     pub posterior_height_mm: f64,
     /// Commissures, as an angle from mid-anterior seen from the middle of the anteroposterior diameter [°].
-    /// Half of 121 ± 11° (82 cadaver hearts, PubMed 17965505).
+    /// Half of 121 ± 11° (82 cadaver hearts, PMID 17965505).
     pub commissure_half_angle_deg: f64,
     /// Trigones, likewise [°]. Half of 76 ± 13° (same hearts).
     pub trigone_half_angle_deg: f64,
@@ -96,14 +97,16 @@ impl Default for AnnulusDimensions {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct LeafletDimensions {
-    /// Heights at the middles of A1, A2, A3 [mm]. A2: 20.6 ± 4.2 at autopsy of 200 hearts (Krawczyk-Ozog 2017, in
-    /// paper 004) times 1.1; A1 and A3 our choice.
+    /// Heights at the middles of A1, A2, A3 [mm]. A2: 20.6 ± 4.2 at autopsy of 200 hearts (Krawczyk-Ozog
+    /// 2017, in paper 004) times 1.1; A1 and A3 our choice.
     pub anterior_heights_mm: [f64; 3],
     /// Heights at the middles of P1, P2, P3 [mm]. 11.0, 12.9, 10.4 in the same hearts; P2 rounded up.
     pub posterior_heights_mm: [f64; 3],
     /// Height at the commissures [mm]. Our choice; 5 to 8 is usual.
     pub commissure_height_mm: f64,
-    /// Factor on all heights [1]. See the default for what it is set by.
+    /// Factor on all heights [1]. 1.25: our choice, so that the unloaded leaflets have 1.5 times the area of
+    /// the annulus. Published: 1.95 ± 0.40 times, and in health 1.78 ± 0.39 times what closure needs (Chaput
+    /// 2008), both loaded.
     pub height_scale: f64,
     /// How deep the margin is indented between the posterior scallops, over the local height [1]. Our choice:
     /// mild. True clefts are 0.3 to 0.5.
@@ -143,8 +146,8 @@ impl Default for LeafletDimensions {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct PapillaryPositions {
-    /// Middle head of the anterolateral muscle [mm]. Solves the distances of 23.5 mm to trigone and P1-P2 border
-    /// (57 hearts, Sakai 1999), lowered towards systolic CT (23-27 mm below the annulus).
+    /// Middle head of the anterolateral muscle [mm]. Solves the distances of 23.5 mm to trigone and P1-P2
+    /// border (57 hearts, Sakai 1999), lowered towards systolic CT (23-27 mm below the annulus).
     pub anterolateral_mm: [f64; 3],
     /// Middle head of the posteromedial muscle [mm]. Likewise.
     pub posteromedial_mm: [f64; 3],
@@ -182,8 +185,8 @@ pub struct ClosedShapeTarget {
     pub coaptation_length_mm: f64,
     /// The same at the commissures [mm]. Our choice.
     pub commissural_coaptation_length_mm: f64,
-    /// Rise of the leaflet belly above the straight line from annulus to closure line, over that line [1]. Our
-    /// choice.
+    /// Rise of the leaflet belly above the straight line from annulus to closure line, over that line [1].
+    /// Our choice.
     pub belly_fraction: f64,
 }
 
@@ -226,7 +229,8 @@ pub struct ChordPattern {
     /// chordae of normal length is the mark of functional regurgitation (Obase).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest_annulus: Option<AnnulusDimensions>,
-    /// Share of the posterior margin, around its middle, whose marginal and intermediate chordae are ruptured [1].
+    /// Share of the posterior margin, around its middle, whose marginal and intermediate chordae are ruptured
+    /// [1].
     pub ruptured_posterior_fraction: f64,
     /// Diameter of marginal and intermediate chordae [mm]. 0.40 mm².
     pub marginal_diameter_mm: f64,

@@ -68,7 +68,8 @@ impl ValveParameters {
 }
 
 /// Functional regurgitation, symmetric. Annulus: 43 x 34 mm and 5.9 mm high at mid-systole (PMC7368231). The
-/// leaflets are a little lower on the longer hinge, so that their area stays within 1.0 to 1.1 of the healthy one.
+/// leaflets are a little lower on the longer hinge, so that their area stays within 1.0 to 1.1 of the healthy
+/// one.
 fn dilate(valve: &mut ValveParameters) {
     valve.chordae.rest_annulus = Some(valve.annulus);
     valve.annulus = AnnulusDimensions {
@@ -86,8 +87,9 @@ fn dilate(valve: &mut ValveParameters) {
     valve.papillary.posteromedial_shift_mm = [-sideways, -sideways, -5.0];
 }
 
-/// Four marginal chordae of P2 and what lies between them; fibroelastic deficiency takes one to four. The annulus is
-/// enlarged with its saddle kept (about 1300 mm², same 77 patients as below) and P2 a little higher.
+/// The six marginal chordae that reach two fifths of the posterior margin, and the two intermediate ones
+/// behind them: with fewer, P2 stays below the anterior leaflet. The annulus is enlarged with its saddle kept
+/// (about 1300 mm² in fibroelastic deficiency, same 77 patients as below) and P2 a little higher.
 fn rupture(valve: &mut ValveParameters) {
     valve.annulus = AnnulusDimensions {
         transverse_mm: 44.0,
@@ -98,7 +100,7 @@ fn rupture(valve: &mut ValveParameters) {
         ..valve.annulus
     };
     valve.leaflets.posterior_heights_mm[1] *= 1.1;
-    valve.chordae.ruptured_posterior_fraction = 0.3;
+    valve.chordae.ruptured_posterior_fraction = 0.4;
 }
 
 /// Annulus about 1500 mm² and flattened (77 patients, Cardiovascular Ultrasound 2016); heights x1.3-1.6, rest

@@ -1,5 +1,5 @@
-//! The first triangulation of the open leaflets: columns from annulus to margin, every second one shifted by half a
-//! step, neighbours zipped together.
+//! The first triangulation of the open leaflets: columns from annulus to margin, every second one shifted by
+//! half a step, neighbours zipped together.
 
 use super::annulus::Side;
 use super::improve;
@@ -39,8 +39,8 @@ pub(super) enum Place {
 
 /// How the skirt is divided.
 struct Division {
-    /// Columns of the anterior and of the posterior leaflet, each counting its first commissure; even, so that both
-    /// middles are columns.
+    /// Columns of the anterior and of the posterior leaflet, each counting its first commissure; even, so
+    /// that both middles are columns.
     columns: [usize; 2],
     /// Step along the columns [mm].
     step_mm: f64,
@@ -75,8 +75,8 @@ fn pieces(height_mm: f64, step_mm: f64, shifted: bool) -> usize {
 
 /// The division whose face count comes nearest.
 fn divide(surface: &Surface, face_count: u32) -> Division {
-    // Equilateral triangles of the mean skirt: columns are as far apart as the triangles are high, and the funnel
-    // narrows them by about a sixth halfway down.
+    // Equilateral triangles of the mean skirt: columns are as far apart as the triangles are high, and the
+    // funnel narrows them by about a sixth halfway down.
     let spacing_over_step = 0.5 * 3.0_f64.sqrt() / 0.85;
     let mean_height = mean_height_mm(surface);
     let area = mean_height * surface.annulus.length_mm;

@@ -6,13 +6,13 @@ use crate::Vec3;
 
 /// Middles of A1, A2, A3 along the anterior hinge. Our choice.
 const ANTERIOR_KNOTS: [f64; 5] = [0.0, 0.2, 0.5, 0.8, 1.0];
-/// Middles of P3, P2, P1 along the posterior hinge. Our choice: P2 is as wide as the trigones are apart, 19 of
-/// 71 mm; its neighbours share the rest.
+/// Middles of P3, P2, P1 along the posterior hinge. Our choice: P2 is as wide as the trigones are apart, 19
+/// of 71 mm; its neighbours share the rest.
 const POSTERIOR_KNOTS: [f64; 5] = [0.0, 0.17, 0.5, 0.83, 1.0];
 /// Borders of P2 along the posterior hinge.
 const SCALLOP_BORDERS: [f64; 2] = [0.36, 0.64];
-/// Columns lean towards the transverse axis' points at this share of their own x. Our choice: keeps the skirt from
-/// folding where the annulus is narrowest.
+/// Columns lean towards the transverse axis' points at this share of their own x. Our choice: keeps the skirt
+/// from folding where the annulus is narrowest.
 const FOCUS_SHARE: f64 = 0.5;
 
 /// The open leaflets over arc length along the annulus and depth along the leaflet.
@@ -83,8 +83,8 @@ impl Surface {
         }
     }
 
-    /// Point at an arc length along the annulus and a depth along the leaflet [mm]. Each column is a circular arc in
-    /// a vertical plane, so that depth is true length.
+    /// Point at an arc length along the annulus and a depth along the leaflet [mm]. Each column is a circular
+    /// arc in a vertical plane, so that depth is true length.
     pub(super) fn at(&self, arc_mm: f64, depth_mm: f64) -> Vec3 {
         let hinge = self.annulus.at_arc(arc_mm);
         let to_focus = self.to_focus(hinge);
