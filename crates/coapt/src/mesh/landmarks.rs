@@ -11,7 +11,7 @@ use crate::mesh::polyline;
 use crate::scene::{Fault, Landmarks};
 
 /// Half the angle between the trigones about the annulus' centroid [rad]: 76 ± 13 degrees between them in 82
-/// fresh cadavers (PubMed 17965505).
+/// fresh cadavers (PMID 17965505).
 pub const TRIGONE_HALF_ANGLE: f64 = 38.0 * std::f64::consts::PI / 180.0;
 
 /// Half the angle between the commissures [rad], used where no leaflet border shows them: 121 ± 11 degrees (ibid.).

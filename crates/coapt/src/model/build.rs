@@ -5,7 +5,7 @@ use super::chordae::{self, Strung};
 use super::faults::Faults;
 use super::surface::{self, Surface};
 use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
-use super::{springs, validate};
+use super::{cleaning, facing, springs, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
 use crate::mesh::polyline;
@@ -37,9 +37,9 @@ impl Model {
         surface::check_units(scene, &mut faults);
         faults.stop()?;
         let mut surface = surface::merge(scene, &mut faults);
-        surface::clean(&mut surface, &mut faults);
+        cleaning::clean(&mut surface, &mut faults);
         faults.stop()?;
-        let edges = surface::check_shape(&mut surface, &mut faults);
+        let edges = cleaning::check_shape(&mut surface, &mut faults);
         faults.stop()?;
         let tips: Vec<Vec3> = scene
             .papillary
@@ -51,7 +51,7 @@ impl Model {
         let found = annulus::find(&surface, &loops, scene, &tips, &mut faults);
         faults.stop()?;
         let mut found = found.ok_or_else(Vec::new)?;
-        annulus::face_atrium(&mut surface, &mut found, &mut loops, &tips, &mut faults);
+        facing::face_atrium(&mut surface, &mut found, &mut loops, &tips, &mut faults);
         let strung = chordae::string(scene, &surface.points, &tips, &mut faults);
         check_ties(&surface, &edges, &found, &strung, &mut faults);
         faults.stop()?;
@@ -212,7 +212,6 @@ fn edge_leaflets(surface: &Surface, edges: &Edges, annulus: &[u32]) -> Vec<Optio
 mod tests {
     use super::super::fixtures::{COLUMNS, ROWS, built, faults, mesh, skirt, skirt_point, told};
     use super::*;
-    use crate::scene::Tissue;
 
     #[test]
     fn a_good_valve_builds_without_a_word() {
@@ -243,46 +242,6 @@ mod tests {
         assert_eq!(at(marks.mid_anterior), Vec3::from(skirt_point(6, 0)));
         assert_eq!(at(marks.mid_posterior), Vec3::from(skirt_point(18, 0)));
         assert!(at(marks.trigone_left).x < 0.0 && at(marks.trigone_right).x > 0.0);
-    }
-
-    #[test]
-    fn spring_constants_are_van_gelders() {
-        // Two equilateral triangles, E t = 2 N/mm: inside sqrt(3)/2 E t, at the border half of that.
-        let mut surface = Surface::default();
-        surface.points = [
-            [0.0, 0.0],
-            [1.0, 0.0],
-            [0.5, 0.75_f64.sqrt()],
-            [1.5, 0.75_f64.sqrt()],
-        ]
-        .map(|[x, y]| Vec3::new(x, y, 0.0))
-        .to_vec();
-        surface.faces = vec![[0, 1, 2], [2, 1, 3]];
-        surface.face_leaflet = vec![0, 1];
-        let mut leaflets = skirt().leaflets;
-        let tissue = |soft: f64, knee: f64| Tissue::BilinearSprings {
-            pre_transition_modulus_mpa: soft,
-            transition_strain: knee,
-            post_transition_modulus_mpa: 10.0,
-            compression_modulus_ratio: 0.5,
-        };
-        leaflets[0].tissue = tissue(2.0, 0.1);
-        leaflets[1].tissue = tissue(6.0, 0.3);
-        let edges = topology::edges(&surface.faces);
-        let springs = springs::springs(&surface, &edges, &leaflets);
-        let root = 3.0_f64.sqrt() / 4.0;
-        let inner = springs.ends.iter().position(|&e| e == [1, 2]).unwrap();
-        // Rounding only: a dozen operations on numbers near 1.
-        let close = |a: f64, b: f64| (a - b).abs() < 1e-14 * 16.0;
-        assert!(close(springs.soft_n_per_mm[inner], root * 8.0));
-        assert!(close(springs.stiff_n_per_mm[inner], root * 20.0));
-        assert!(close(springs.compression_n_per_mm[inner], root * 4.0));
-        assert!(close(
-            springs.transition_length_mm[inner],
-            1.0 + (2.0 * 0.1 + 6.0 * 0.3) / 8.0
-        ));
-        assert!(close(springs.soft_n_per_mm[0], root * 2.0));
-        assert!(close(springs.transition_length_mm[0], 1.1));
     }
 
     #[test]
