@@ -210,7 +210,7 @@ fn edge_leaflets(surface: &Surface, edges: &Edges, annulus: &[u32]) -> Vec<Optio
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixtures::{COLUMNS, ROWS, built, faults, mesh, skirt, skirt_point, told};
+    use super::super::fixtures::{COLUMNS, ROWS, built, faults, lines, mesh, skirt, skirt_point, told};
     use super::*;
 
     #[test]
@@ -295,5 +295,97 @@ mod tests {
     fn equal_scenes_give_equal_models() {
         let (a, b) = (built(&skirt()).model, built(&skirt()).model);
         assert_eq!(format!("{a:?}"), format!("{b:?}"));
+    }
+
+    /// Numbers that look random and are the same every time (Knuth's multiplier, 64 bit).
+    struct Dice(u64);
+
+    impl Dice {
+        fn below(&mut self, count: usize) -> usize {
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 33) as usize % count
+        }
+
+        fn nasty(&mut self) -> f64 {
+            let values = [
+                f64::NAN,
+                f64::INFINITY,
+                -1.0,
+                0.0,
+                1e-320,
+                1e300,
+                5.0,
+                -20.0,
+                1e6,
+                0.011,
+                15.0,
+                -14.0,
+            ];
+            values[self.below(values.len())]
+        }
+
+        fn spoil(&mut self, scene: &mut Scene) {
+            let leaflet = self.below(2);
+            let (point, axis) = (self.below(27), self.below(3));
+            match self.below(12) {
+                0 => mesh(scene, leaflet).points_mm[point][axis] = self.nasty(),
+                1 => mesh(scene, leaflet).faces[point % 14][axis] = self.below(28) as u32,
+                2 => mesh(scene, leaflet).faces.truncate(14 + point),
+                3 => {
+                    mesh(scene, leaflet).annulus_points =
+                        Some((0..self.below(9) as u32 * 3).step_by(3).collect())
+                }
+                4 => lines(scene).points_mm[point % 8][axis] = self.nasty(),
+                5 => lines(scene).segments[point % 6][axis % 2] = self.below(9) as u32,
+                6 => scene.weld.tolerance_mm = self.nasty(),
+                7 => scene.weld.insertion_tolerance_mm = self.nasty(),
+                8 => scene.papillary[leaflet].tips_mm[0][axis] = self.nasty(),
+                9 => {
+                    scene.annulus.curve_mm = Some((0..self.below(30)).map(|c| skirt_point(c, axis)).collect())
+                }
+                10 => mesh(scene, leaflet).faces[point % 14].swap(0, 1),
+                _ => scene.landmarks.mid_anterior_mm = Some([self.nasty(), 0.0, 0.0]),
+            }
+        }
+    }
+
+    #[test]
+    fn no_scene_brings_it_down_and_no_model_holds_nonsense() {
+        let mut dice = Dice(1);
+        let mut good = 0;
+        for _ in 0..4000 {
+            let mut scene = skirt();
+            (0..1 + dice.below(3)).for_each(|_| dice.spoil(&mut scene));
+            let Ok(Built { model, .. }) = Model::build(&scene) else {
+                continue;
+            };
+            good += 1;
+            let count = model.rest_mm.len() as u32;
+            let springs = &model.springs;
+            let constants = [
+                &springs.rest_length_mm,
+                &springs.soft_n_per_mm,
+                &model.chords.rest_length_mm,
+            ];
+            assert!(constants.into_iter().flatten().all(|c| c.is_finite() && *c > 0.0));
+            assert!(model.rest_mm.iter().flatten().all(|c| c.is_finite()));
+            assert!(
+                model
+                    .faces
+                    .iter()
+                    .flatten()
+                    .chain(model.chords.ends.iter().flatten())
+                    .all(|&v| v < count)
+            );
+            assert!(model.landmarks.mid_posterior < model.annulus.len());
+            assert!(model.prescribed.is_sorted_by(|a, b| a.vertex < b.vertex));
+        }
+        assert!(
+            good > 400,
+            "only {good} of 4000 were good: the dice spoil too much to test anything"
+        );
     }
 }

@@ -3,6 +3,8 @@
 pub mod placement;
 pub mod ring;
 pub mod ring_attachment;
+mod ring_candidates;
+mod ring_laying;
 pub mod ring_shape;
 
 pub use ring::RingReport;

@@ -5,23 +5,18 @@ use crate::Vec3;
 use crate::mesh::polyline;
 use crate::model::Model;
 use crate::repair::placement;
-use crate::repair::ring_attachment::{self, AnnulusCurve, Sutures};
-use crate::repair::ring_shape::{self, RingCurve, normal_of};
+use crate::repair::ring_attachment::{AnnulusCurve, Sutures};
+use crate::repair::ring_candidates::candidates;
+use crate::repair::ring_laying::{Laid, doubt_side, lay};
+use crate::repair::ring_shape::normal_of;
 use crate::repair::{Repaired, Report};
-use crate::scene::{Attachment, Fault, Ring, RingFamily};
-
-/// Beyond the ends of an open ring the annulus takes so much arc to come back to its own place [mm] (our choice:
-/// about one suture bite).
-const BLEND_MM: f64 = 5.0;
+use crate::scene::{Fault, Ring, RingFamily};
 
 /// Rings this much longer or shorter than what they are sewn to do not belong to this valve.
 const LARGEST_SCALE: f64 = 2.0;
 
 /// Planes of annulus and placed ring that differ by more are doubted [degree].
 const DOUBTFUL_TILT_DEGREES: f64 = 30.0;
-
-/// Measured curves: enough points for a shape, few enough to test each pair of segments for crossing.
-const CURVE_POINTS: std::ops::RangeInclusive<usize> = 8..=5000;
 
 /// What a ring did to the annulus.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,235 +74,12 @@ pub fn implant(model: &Model, ring: &Ring) -> Result<Repaired, Vec<Fault>> {
     })
 }
 
-/// A ring on the annulus.
-struct Laid {
-    curve: RingCurve,
-    sutures: Sutures,
-    /// Where annulus points end up.
-    moved: Vec<Vec3>,
-    /// Mean and largest distance by which sewn points move.
-    warp_mm: [f64; 2],
-    /// Mean warp if the ring were as long as the annulus: how well its shape lies, whatever its size.
-    misfit_mm: f64,
-}
-
-/// Lays a ring on the annulus and sews it.
-fn lay(candidate: &RingCurve, ring: &Ring, annulus: &AnnulusCurve) -> Laid {
-    let laid = lay_as_it_is(candidate, ring, annulus);
-    if ring.placed {
-        return laid;
-    }
-    let [from, to] = laid.sutures.span_mm;
-    let scale = (to - from) / polyline::length(&candidate.points_mm, candidate.closed);
-    let alike = lay_as_it_is(&candidate.moved(|point| point * scale), ring, annulus);
-    Laid {
-        misfit_mm: alike.misfit_mm,
-        ..laid
-    }
-}
-
-fn lay_as_it_is(candidate: &RingCurve, ring: &Ring, annulus: &AnnulusCurve) -> Laid {
-    let curve = place(candidate, ring.placed, annulus);
-    let sutures = match ring.attachment {
-        Attachment::ArcLength => ring_attachment::by_arc_length(annulus, &curve),
-        Attachment::NearestPoint => ring_attachment::by_nearest_point(annulus, &curve),
-    };
-    let moved = sew(annulus, &curve, &sutures);
-    let warp_mm = warp(annulus, &sutures, &moved);
-    Laid {
-        warp_mm,
-        misfit_mm: warp_mm[0],
-        curve,
-        sutures,
-        moved,
-    }
-}
-
-/// Tells when a measured curve would fit almost as well the other way round.
-fn doubt_side(best: &Laid, laid: &[Laid]) -> Option<Fault> {
-    let differs = |other: &&Laid| {
-        let off = other
-            .moved
-            .iter()
-            .zip(&best.moved)
-            .map(|(a, b)| (a - b).norm())
-            .sum::<f64>();
-        off > 0.5 * best.moved.len() as f64
-    };
-    // A twentieth of a millimetre is within the landmarks' own uncertainty (our choice).
-    let close = |other: &&Laid| other.misfit_mm <= best.misfit_mm + 0.05;
-    let other = laid.iter().filter(differs).find(close)?;
-    let message = format!(
-        "which side of the curve is up, or anterior, is unclear: shapes differ by {:.2} mm as taken, {:.2} mm turned; place \
-         the curve to be sure",
-        best.misfit_mm, other.misfit_mm
-    );
-    Some(Fault::warning("ring.curve_mm", message))
-}
-
-/// Every way in which the ring may lie, in its own frame.
-fn candidates(model: &Model, ring: &Ring) -> Result<Vec<RingCurve>, Vec<Fault>> {
-    let mut faults = Vec::new();
-    if model.annulus.len() < 3 || model.margins.iter().any(|margin| !margin.closed) {
-        faults.push(Fault::error(
-            "ring",
-            "the annulus is no closed loop: there is nothing to sew a ring to",
-        ));
-    }
-    let found = match (ring.family, &ring.curve_mm) {
-        (Some(family), None) => family_candidate(ring, family, &mut faults),
-        (None, Some(points)) => measured_candidates(ring, points, &mut faults),
-        (Some(_), Some(_)) => {
-            faults.push(Fault::error(
-                "ring",
-                "has a family and a curve, expected one of them",
-            ));
-            Vec::new()
-        }
-        (None, None) => {
-            let what = match &ring.curve_file {
-                Some(file) => format!("`{file}` has not been read into the ring"),
-                None => "has neither family nor curve".into(),
-            };
-            faults.push(Fault::error("ring", what));
-            Vec::new()
-        }
-    };
-    if faults.is_empty() { Ok(found) } else { Err(faults) }
-}
-
-fn family_candidate(ring: &Ring, family: RingFamily, faults: &mut Vec<Fault>) -> Vec<RingCurve> {
-    if ring.placed {
-        faults.push(Fault::error(
-            "ring.placed",
-            "a family has no place of its own; give a curve, or leave this out",
-        ));
-    }
-    match ring.size_mm {
-        Some(size) if ring_shape::SIZES_MM.contains(&size) => {
-            return vec![ring_shape::family_curve(family, size)];
-        }
-        Some(size) => faults.push(Fault::error(
-            "ring.size_mm",
-            format!("{size} mm {}", ring_shape::size_range()),
-        )),
-        None => faults.push(Fault::error("ring.size_mm", "is absent, and a family needs it")),
-    }
-    Vec::new()
-}
-
-fn measured_candidates(ring: &Ring, points: &[[f64; 3]], faults: &mut Vec<Fault>) -> Vec<RingCurve> {
-    let place = "ring.curve_mm";
-    if !CURVE_POINTS.contains(&points.len()) {
-        let (least, most) = (CURVE_POINTS.start(), CURVE_POINTS.end());
-        faults.push(Fault::error(
-            place,
-            format!("has {} points, expected {least} to {most}", points.len()),
-        ));
-        return Vec::new();
-    }
-    if let Some(bad) = points
-        .iter()
-        .position(|p| p.iter().any(|c| !c.is_finite() || c.abs() > 1e6))
-    {
-        faults.push(Fault::error(
-            format!("{place} point {bad}"),
-            "is not finite millimetres",
-        ));
-        return Vec::new();
-    }
-    let mut curve: Vec<Vec3> = points.iter().map(|&p| Vec3::from(p)).collect();
-    let mean = polyline::length(&curve, false) / (curve.len() - 1) as f64;
-    let gap = (curve[0] - curve[curve.len() - 1]).norm();
-    if gap < 1e-3 * mean {
-        curve.pop();
-    }
-    // Without a word on it, a curve is closed whose ends lie no farther apart than two of its points.
-    let closed = ring.closed.unwrap_or(gap <= 2.0 * mean);
-    if let Some([i, j]) = crossing(&curve, closed) {
-        faults.push(Fault::error(
-            place,
-            format!("crosses itself: segments {i} and {j}, seen along its normal"),
-        ));
-    }
-    ring_shape::curve_candidates(&curve, closed)
-}
-
-/// The first two segments that cross, projected along the curve's normal.
-fn crossing(points: &[Vec3], closed: bool) -> Option<[usize; 2]> {
-    let normal = normal_of(points);
-    let count = points.len();
-    let segments = if closed { count } else { count - 1 };
-    let side = |a: Vec3, b: Vec3, c: Vec3| (b - a).cross(&(c - a)).dot(&normal);
-    let ends = |i: usize| (points[i], points[(i + 1) % count]);
-    let apart = |i: usize, j: usize| j > i + 1 && (j + 1) % count != i;
-    let pairs = (0..segments).flat_map(|i| (i + 1..segments).map(move |j| (i, j)));
-    let crosses = |&(i, j): &(usize, usize)| {
-        let ((a, b), (c, d)) = (ends(i), ends(j));
-        apart(i, j) && side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
-    };
-    pairs.into_iter().find(crosses).map(|(i, j)| [i, j])
-}
-
-fn annulus_targets(model: &Model) -> Vec<Vec3> {
+pub(super) fn annulus_targets(model: &Model) -> Vec<Vec3> {
     let target = |&vertex: &u32| match model.prescribed.binary_search_by_key(&vertex, |p| p.vertex) {
         Ok(found) => model.prescribed[found].target_mm,
         Err(_) => model.rest_mm[vertex as usize],
     };
     model.annulus.iter().map(target).collect()
-}
-
-/// Fits the ring to the annulus; a placed one stays and takes its landmarks from the annulus.
-fn place(candidate: &RingCurve, placed: bool, annulus: &AnnulusCurve) -> RingCurve {
-    let [first, second] = annulus.trigones.map(|i| annulus.points_mm[i]);
-    let posterior = annulus.points_mm[annulus.mid_posterior];
-    if !placed {
-        return placement::fit(candidate, &annulus.points_mm, [first, second, posterior]);
-    }
-    let mut curve = candidate.clone();
-    let near =
-        |point: Vec3| polyline::nearest(&curve.points_mm, curve.closed, point).map_or(point, |n| n.point_mm);
-    curve.marks.mid_anterior = near(annulus.points_mm[0]);
-    curve.marks.mid_posterior = near(posterior);
-    if curve.closed {
-        curve.marks.trigones = [near(first), near(second)];
-    }
-    curve
-}
-
-/// Where all annulus points end up, in the order of the curve.
-fn sew(annulus: &AnnulusCurve, curve: &RingCurve, sutures: &Sutures) -> Vec<Vec3> {
-    let arcs = polyline::arc_lengths(&curve.points_mm, curve.closed);
-    let on_ring = |arc: f64| polyline::point_at_arc(&curve.points_mm, curve.closed, &arcs, arc);
-    let [start, end] = sutures.span_mm;
-    let pull = |at: f64, arc: f64| {
-        on_ring(arc) - polyline::point_at_arc(&annulus.points_mm, true, &annulus.arcs_mm, at)
-    };
-    let total = annulus.length_mm();
-    let fade = |distance: f64| {
-        let x = (1.0 - distance / BLEND_MM).clamp(0.0, 1.0);
-        x * x * (3.0 - 2.0 * x)
-    };
-    let place = |(i, suture): (usize, &Option<f64>)| match *suture {
-        Some(arc) => on_ring(arc),
-        None => {
-            let at = annulus.arcs_mm[i];
-            let near_start = fade((start - at).rem_euclid(total));
-            let near_end = fade((at - end).rem_euclid(total));
-            let share = (near_start + near_end).max(1.0);
-            let ring_end = arcs.last().copied().unwrap_or(0.0);
-            annulus.points_mm[i] + (pull(start, 0.0) * near_start + pull(end, ring_end) * near_end) / share
-        }
-    };
-    sutures.ring_arc_mm.iter().enumerate().map(place).collect()
-}
-
-/// Mean and largest distance by which sewn points move.
-fn warp(annulus: &AnnulusCurve, sutures: &Sutures, moved: &[Vec3]) -> [f64; 2] {
-    let sewn = (0..moved.len()).filter(|&i| sutures.ring_arc_mm[i].is_some());
-    let distances: Vec<f64> = sewn.map(|i| (moved[i] - annulus.points_mm[i]).norm()).collect();
-    let mean = distances.iter().sum::<f64>() / distances.len().max(1) as f64;
-    [mean, distances.into_iter().fold(0.0, f64::max)]
 }
 
 fn report(ring: &Ring, annulus: &AnnulusCurve, laid: &Laid) -> RingReport {
@@ -401,35 +173,25 @@ fn with_targets(model: &Model, annulus: &AnnulusCurve, moved: &[Vec3]) -> Model 
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::model::fixtures::{built, skirt};
     use crate::repair::apply;
-    use crate::repair::ring_shape::{family_curve, parse_ring_spec};
-    use crate::scene::{Repair, Severity};
+    use crate::repair::ring_shape::parse_ring_spec;
+    use crate::scene::Repair;
 
-    fn skirt_model() -> Model {
+    pub(in super::super) fn skirt_model() -> Model {
         built(&skirt()).model
     }
 
-    fn done(model: &Model, ring: &Ring) -> (Model, RingReport, Vec<Fault>) {
+    pub(in super::super) fn done(model: &Model, ring: &Ring) -> (Model, RingReport, Vec<Fault>) {
         let repaired =
             apply(model, &Repair::Ring(ring.clone())).unwrap_or_else(|faults| panic!("{faults:#?}"));
         let Report::Ring(report) = repaired.report;
         (repaired.model, report, repaired.warnings)
     }
 
-    fn refused(ring: &Ring, words: &str) {
-        let faults = apply(&skirt_model(), &Repair::Ring(ring.clone()))
-            .err()
-            .unwrap_or_default();
-        let found = faults
-            .iter()
-            .any(|f| f.severity == Severity::Error && f.message.contains(words));
-        assert!(found, "no `{words}` in {faults:#?}");
-    }
-
-    fn curve(points: &[Vec3]) -> Ring {
+    pub(in super::super) fn curve(points: &[Vec3]) -> Ring {
         Ring {
             family: None,
             size_mm: None,
@@ -504,167 +266,6 @@ mod tests {
             annulus_targets(&after)[posterior],
             annulus_targets(&model)[posterior]
         );
-    }
-
-    /// The skirt with an annulus of human shape in the closed phase: a saddle, flatter in front.
-    fn human_model() -> Model {
-        let mut model = skirt_model();
-        for prescribed in model
-            .prescribed
-            .iter_mut()
-            .filter(|p| model.annulus.contains(&p.vertex))
-        {
-            let target = &mut prescribed.target_mm;
-            let sin = target.y / 14.0;
-            target.z = if sin > 0.0 { 6.9 } else { 2.2 } * sin * sin;
-            target.y *= if sin > 0.0 { 0.8 } else { 1.2 };
-        }
-        model
-    }
-
-    #[test]
-    fn a_measured_curve_lies_like_the_family_it_was_taken_from() {
-        let model = human_model();
-        let turn = nalgebra::Rotation3::from_euler_angles(0.3, 2.0, -1.0);
-        for spec in ["physio-like:32", "classic-like:32"] {
-            let ring = parse_ring_spec(spec).unwrap();
-            let (family, report, _) = done(&model, &ring);
-            let points = family_curve(ring.family.unwrap(), 32.0).points_mm;
-            let mut away: Vec<Vec3> = points
-                .iter()
-                .map(|p| turn * p + Vec3::new(50.0, 0.0, 90.0))
-                .collect();
-            for _ in 0..2 {
-                let (measured, found, warnings) = done(&model, &curve(&away));
-                assert_eq!((found.closed, warnings.len()), (report.closed, 0), "{warnings:?}");
-                for (a, b) in annulus_targets(&measured).iter().zip(annulus_targets(&family)) {
-                    // The curve's landmarks are found on a resampling of about 0.2 mm, its plane from its area.
-                    assert!((a - b).norm() < 0.3, "{spec}: {}", (a - b).norm());
-                }
-                away.reverse();
-            }
-        }
-    }
-
-    #[test]
-    fn an_annulus_with_equal_halves_leaves_the_side_in_doubt() {
-        let points = family_curve(RingFamily::PhysioLike, 32.0).points_mm;
-        let (_, _, warnings) = done(&skirt_model(), &curve(&points));
-        assert!(
-            warnings.iter().any(|w| w.message.contains("is unclear")),
-            "{warnings:?}"
-        );
-    }
-
-    #[test]
-    fn a_placed_curve_stays_whichever_way_it_runs() {
-        let model = skirt_model();
-        let mut points: Vec<Vec3> = annulus_targets(&model).iter().map(|p| p * 0.9).collect();
-        for attachment in [Attachment::ArcLength, Attachment::NearestPoint] {
-            points.reverse();
-            let ring = Ring {
-                placed: true,
-                attachment,
-                ..curve(&points)
-            };
-            let (after, report, warnings) = done(&model, &ring);
-            assert!(warnings.is_empty(), "{warnings:?}");
-            for (new, old) in annulus_targets(&after).iter().zip(annulus_targets(&model)) {
-                // Radially in for the arc length; the nearest point of an ellipse lies a little beside that.
-                assert!(
-                    (new - old * 0.9).norm() < 1.0,
-                    "{attachment:?} {}",
-                    (new - old * 0.9).norm()
-                );
-            }
-            assert!(report.tilt_degrees < 1e-3);
-        }
-    }
-
-    #[test]
-    fn folds_of_nearest_points_are_spread_and_told() {
-        let model = skirt_model();
-        let annulus = annulus_targets(&model);
-        // A deep dent, into which no nearest point falls.
-        let points: Vec<Vec3> = polyline::resample(&annulus, true, 200)
-            .iter()
-            .map(|p| {
-                Vec3::new(
-                    p.x,
-                    if p.y < 0.0 && p.x.abs() < 4.0 {
-                        0.1 * p.y
-                    } else {
-                        p.y
-                    },
-                    p.z,
-                ) * 0.8
-            })
-            .collect();
-        let ring = Ring {
-            placed: true,
-            attachment: Attachment::NearestPoint,
-            ..curve(&points)
-        };
-        let (after, report, warnings) = done(&model, &ring);
-        assert!(
-            warnings.iter().any(|w| w.place == "ring.attachment"),
-            "{warnings:?}"
-        );
-        assert!(report.edge_stretch_min > 0.0);
-        let targets = annulus_targets(&after);
-        let distinct =
-            (0..targets.len()).all(|i| (targets[i] - targets[(i + 1) % targets.len()]).norm() > 0.3);
-        assert!(distinct, "no two neighbours on one point");
-    }
-
-    #[test]
-    fn what_does_not_belong_is_refused() {
-        let ring = parse_ring_spec("physio-like:28").unwrap();
-        refused(
-            &Ring {
-                size_mm: Some(60.0),
-                ..ring.clone()
-            },
-            "20 to 44 mm",
-        );
-        refused(
-            &Ring {
-                size_mm: None,
-                ..ring.clone()
-            },
-            "absent",
-        );
-        refused(
-            &Ring {
-                family: None,
-                ..ring.clone()
-            },
-            "neither family nor curve",
-        );
-        refused(
-            &Ring {
-                placed: true,
-                ..ring.clone()
-            },
-            "no place of its own",
-        );
-        let round = family_curve(RingFamily::PhysioLike, 30.0).points_mm;
-        refused(
-            &Ring {
-                family: ring.family,
-                ..curve(&round)
-            },
-            "a family and a curve",
-        );
-        refused(&curve(&round[..5]), "has 5 points");
-        let twice: Vec<Vec3> = round.iter().map(|p| p * 2.5).collect();
-        refused(&curve(&twice), "factor of 2");
-        let mut crossed = round.clone();
-        crossed[100..300].reverse();
-        refused(&curve(&crossed), "crosses itself");
-        let mut bad = round;
-        bad[7].x = f64::NAN;
-        refused(&curve(&bad), "not finite");
     }
 
     #[test]
