@@ -26,6 +26,11 @@ const STEP_LIMIT: f64 = 0.01;
 const STEP_LIMIT_EDGES: f64 = 0.5;
 /// The exact tangent is tried from this residual on: farther out it is indefinite nearly always.
 const EXACT_BELOW: f64 = 10.0;
+/// The exact tangent is tried with this many dampings, each so many times the last.
+const EXACT_TRIES: u32 = 4;
+const DAMPING_RISE: f64 = 8.0;
+/// The damping never falls below this part of its first value [1].
+const LEAST_DAMPING: f64 = 1e-7;
 /// A line search gives up after so many halvings.
 const HALVINGS: u32 = 12;
 /// Steps in a row without progress before the solver says so.
@@ -48,6 +53,7 @@ struct Solver<'a> {
     reference_force_n: f64,
     step_limit_mm: f64,
     damping: f64,
+    least_damping: f64,
 }
 
 /// Relaxes from `start`.
@@ -93,9 +99,11 @@ impl<'a> Solver<'a> {
             reference_force_n: load::reference_force_n(model),
             step_limit_mm: (STEP_LIMIT * size).min(STEP_LIMIT_EDGES * mean_edge),
             damping: 0.0,
+            least_damping: 0.0,
         };
         // At this damping pressure alone moves a vertex by the step limit.
         solver.damping = model.pressure_mpa.max(1e-12) / solver.step_limit_mm;
+        solver.least_damping = LEAST_DAMPING * solver.damping;
         solver
     }
 
@@ -179,36 +187,31 @@ impl<'a> Solver<'a> {
         residual: f64,
     ) -> (Vec<Vec3>, bool) {
         if residual < EXACT_BELOW {
-            if let Some((factor, right)) = self.factorise(positions, gradient, motion, Curvature::Exact) {
-                let solution = self.symbolic.solve(&factor, &right);
-                return (self.scatter(&solution, motion), true);
+            let right = self.assemble(positions, gradient, motion, Curvature::Exact);
+            for _ in 0..EXACT_TRIES {
+                if let Some(factor) = self.factorise() {
+                    return (self.scatter(&self.symbolic.solve(&factor, &right), motion), true);
+                }
+                self.damping = (self.damping * DAMPING_RISE).max(self.least_damping);
             }
         }
+        let right = self.assemble(positions, gradient, motion, Curvature::Projected);
         for _ in 0..40 {
-            if let Some((factor, right)) = self.factorise(positions, gradient, motion, Curvature::Projected) {
-                let solution = self.symbolic.solve(&factor, &right);
-                return (self.scatter(&solution, motion), false);
+            if let Some(factor) = self.factorise() {
+                return (self.scatter(&self.symbolic.solve(&factor, &right), motion), false);
             }
             self.damping *= 10.0;
         }
         (motion.to_vec(), false)
     }
 
-    fn factorise(
-        &mut self,
-        positions: &[Vec3],
-        gradient: &[Vec3],
-        motion: &[Vec3],
-        curvature: Curvature,
-    ) -> Option<(Factor, Vec<Vec3>)> {
-        let right = self.assemble(positions, gradient, motion, curvature);
+    fn factorise(&self) -> Option<Factor> {
         let shift: Vec<f64> = self
             .weight_mm2
             .iter()
             .map(|weight| self.damping * weight)
             .collect();
-        let factor = self.symbolic.factor(&self.matrix, &shift).ok()?;
-        Some((factor, right))
+        self.symbolic.factor(&self.matrix, &shift).ok()
     }
 
     /// Fills the matrix and returns the right-hand side; grows the pattern where contact needs new places.
@@ -302,9 +305,9 @@ impl<'a> Solver<'a> {
 
     fn adapt_damping(&mut self, fraction: f64) {
         if fraction == 1.0 {
-            self.damping *= 0.5;
+            self.damping = (self.damping * 0.5).max(self.least_damping);
         } else if fraction < 0.3 {
-            self.damping = (self.damping * 4.0).max(1e-9);
+            self.damping = self.damping * 4.0;
         }
     }
 
@@ -345,8 +348,8 @@ impl<'a> Solver<'a> {
         let motion = vec![Vec3::zeros(); positions.len()];
         // Slack chord nodes have no stiffness at all; this much, far below any tissue, keeps them from counting.
         self.damping = 1e-7 * self.model.pressure_mpa.max(1e-6);
-        self.factorise(positions, gradient, &motion, Curvature::Exact)
-            .is_some()
+        self.assemble(positions, gradient, &motion, Curvature::Exact);
+        self.factorise().is_some()
     }
 }
 
