@@ -8,6 +8,7 @@
 use super::block_matrix::BlockMatrix;
 use super::certificate::certify;
 use super::cholesky::{Factor, Symbolic};
+use super::krylov;
 use super::load::{self, FreeSink, Merit, PRESCRIBED};
 use super::{Equilibrium, Iteration, Status};
 use crate::Vec3;
@@ -15,7 +16,7 @@ use crate::contact::crossing::crossings;
 use crate::contact::pairs::{Pair, PairList, largest_distance};
 use crate::contact::step_bound;
 use crate::contact::surface::Surface;
-use crate::energy::Curvature;
+use crate::energy::{Curvature, pressure};
 use crate::model::Model;
 use crate::state::State;
 
@@ -45,6 +46,7 @@ struct Solver<'a> {
     pairs: PairList,
     /// The pairs that may touch where the valve now is.
     near: Vec<Pair>,
+    rim: Vec<[u32; 2]>,
     free: Vec<u32>,
     free_index: Vec<u32>,
     weight_mm2: Vec<f64>,
@@ -91,6 +93,7 @@ impl<'a> Solver<'a> {
             surface,
             pairs: PairList::default(),
             near: Vec::new(),
+            rim: pressure::rim(&model.faces),
             free,
             free_index,
             weight_mm2,
@@ -190,7 +193,8 @@ impl<'a> Solver<'a> {
             let right = self.assemble(positions, gradient, motion, Curvature::Exact);
             for _ in 0..EXACT_TRIES {
                 if let Some(factor) = self.factorise() {
-                    return (self.scatter(&self.symbolic.solve(&factor, &right), motion), true);
+                    let solution = self.solve_unsymmetric(&factor, positions, &right);
+                    return (self.scatter(&solution, motion), true);
                 }
                 self.damping = (self.damping * DAMPING_RISE).max(self.least_damping);
             }
@@ -203,6 +207,26 @@ impl<'a> Solver<'a> {
             self.damping *= 10.0;
         }
         (motion.to_vec(), false)
+    }
+
+    /// Solves with the true tangent: the factorised symmetric one plus what pressure on the free margin adds.
+    fn solve_unsymmetric(&self, factor: &Factor, positions: &[Vec3], right: &[Vec3]) -> Vec<Vec3> {
+        let shift = |index: usize| self.damping * self.weight_mm2[index];
+        let multiply = |vector: &[Vec3]| {
+            let mut product = self.matrix.multiply(vector);
+            for (index, (product, value)) in product.iter_mut().zip(vector).enumerate() {
+                *product += value * shift(index);
+            }
+            let direction = self.scatter(vector, &vec![Vec3::zeros(); positions.len()]);
+            let mut turned = vec![Vec3::zeros(); positions.len()];
+            let pressure = self.model.pressure_mpa;
+            pressure::add_antisymmetric_product(&self.rim, pressure, positions, &direction, &mut turned);
+            for (product, &vertex) in product.iter_mut().zip(&self.free) {
+                *product += turned[vertex as usize];
+            }
+            product
+        };
+        krylov::solve(multiply, |vector| self.symbolic.solve(factor, vector), right)
     }
 
     fn factorise(&self) -> Option<Factor> {
