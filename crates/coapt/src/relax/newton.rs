@@ -26,7 +26,7 @@ const STEP_LIMIT: f64 = 0.01;
 /// Longest step of a vertex in mean edge lengths [1]: fine meshes pay for long steps with long pair lists.
 const STEP_LIMIT_EDGES: f64 = 0.5;
 /// The exact tangent is tried from this residual on: farther out it is indefinite nearly always.
-const EXACT_BELOW: f64 = 10.0;
+const EXACT_BELOW: f64 = 0.3;
 /// The exact tangent is tried with this many dampings, each so many times the last.
 const EXACT_TRIES: u32 = 4;
 const DAMPING_RISE: f64 = 8.0;
