@@ -38,7 +38,7 @@ const HALVINGS: u32 = 12;
 const STALL_LIMIT: u32 = 60;
 
 /// Length of the pair list's budget in steps [1]. More, and lists grow long; fewer, and they are made too often.
-const BUDGET_STEPS: f64 = 2.0;
+const BUDGET_STEPS: f64 = 1.5;
 
 struct Solver<'a> {
     model: &'a Model,
