@@ -1,5 +1,6 @@
 //! Triangles, edges, loops, landmarks; the parametric valve.
 
+mod anterior_arc;
 pub mod landmarks;
 pub mod parametric;
 pub mod point_grid;

@@ -46,7 +46,7 @@ pub fn point_at_arc(points: &[Vec3], closed: bool, arcs: &[f64], arc_mm: f64) ->
     let (Some(&first), Some(&total)) = (points.first(), arcs.last()) else {
         return Vec3::zeros();
     };
-    if total <= 0.0 || !arc_mm.is_finite() {
+    if !(total.is_finite() && total > 0.0 && arc_mm.is_finite()) {
         return first;
     }
     let arc = if closed {

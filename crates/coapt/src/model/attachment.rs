@@ -75,8 +75,11 @@ pub(crate) fn attach(scene: &Scene, leaflet: &[Vec3], tips: &[Vec3]) -> Attached
     }
 }
 
-/// Distinct chord points, and segments (group, number, ends) between them.
-fn weld(scene: &Scene) -> (Vec<Vec3>, Vec<(u32, u32, [u32; 2])>) {
+/// Group, number in the group's mesh, ends as chord points.
+type NumberedEnds = (u32, u32, [u32; 2]);
+
+/// Distinct chord points, and segments between them.
+fn weld(scene: &Scene) -> (Vec<Vec3>, Vec<NumberedEnds>) {
     let mut grid = PointGrid::new(scene.weld.tolerance_mm);
     let (mut points, mut segments) = (Vec::new(), Vec::new());
     let meshes = scene.chordae.iter().enumerate();

@@ -5,7 +5,7 @@ use super::chordae::{self, Strung};
 use super::faults::Faults;
 use super::surface::{self, Surface};
 use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
-use super::{springs, validate};
+use super::{cleaning, facing, springs, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
 use crate::mesh::polyline;
@@ -37,9 +37,9 @@ impl Model {
         surface::check_units(scene, &mut faults);
         faults.stop()?;
         let mut surface = surface::merge(scene, &mut faults);
-        surface::clean(&mut surface, &mut faults);
+        cleaning::clean(&mut surface, &mut faults);
         faults.stop()?;
-        let edges = surface::check_shape(&mut surface, &mut faults);
+        let edges = cleaning::check_shape(&mut surface, &mut faults);
         faults.stop()?;
         let tips: Vec<Vec3> = scene
             .papillary
@@ -51,7 +51,7 @@ impl Model {
         let found = annulus::find(&surface, &loops, scene, &tips, &mut faults);
         faults.stop()?;
         let mut found = found.ok_or_else(Vec::new)?;
-        annulus::face_atrium(&mut surface, &mut found, &mut loops, &tips, &mut faults);
+        facing::face_atrium(&mut surface, &mut found, &mut loops, &tips, &mut faults);
         let strung = chordae::string(scene, &surface.points, &tips, &mut faults);
         check_ties(&surface, &edges, &found, &strung, &mut faults);
         faults.stop()?;
@@ -210,9 +210,8 @@ fn edge_leaflets(surface: &Surface, edges: &Edges, annulus: &[u32]) -> Vec<Optio
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixtures::{COLUMNS, ROWS, built, faults, mesh, skirt, skirt_point, told};
+    use super::super::fixtures::{COLUMNS, ROWS, built, faults, lines, mesh, skirt, skirt_point, told};
     use super::*;
-    use crate::scene::Tissue;
 
     #[test]
     fn a_good_valve_builds_without_a_word() {
@@ -243,46 +242,6 @@ mod tests {
         assert_eq!(at(marks.mid_anterior), Vec3::from(skirt_point(6, 0)));
         assert_eq!(at(marks.mid_posterior), Vec3::from(skirt_point(18, 0)));
         assert!(at(marks.trigone_left).x < 0.0 && at(marks.trigone_right).x > 0.0);
-    }
-
-    #[test]
-    fn spring_constants_are_van_gelders() {
-        // Two equilateral triangles, E t = 2 N/mm: inside sqrt(3)/2 E t, at the border half of that.
-        let mut surface = Surface::default();
-        surface.points = [
-            [0.0, 0.0],
-            [1.0, 0.0],
-            [0.5, 0.75_f64.sqrt()],
-            [1.5, 0.75_f64.sqrt()],
-        ]
-        .map(|[x, y]| Vec3::new(x, y, 0.0))
-        .to_vec();
-        surface.faces = vec![[0, 1, 2], [2, 1, 3]];
-        surface.face_leaflet = vec![0, 1];
-        let mut leaflets = skirt().leaflets;
-        let tissue = |soft: f64, knee: f64| Tissue::BilinearSprings {
-            pre_transition_modulus_mpa: soft,
-            transition_strain: knee,
-            post_transition_modulus_mpa: 10.0,
-            compression_modulus_ratio: 0.5,
-        };
-        leaflets[0].tissue = tissue(2.0, 0.1);
-        leaflets[1].tissue = tissue(6.0, 0.3);
-        let edges = topology::edges(&surface.faces);
-        let springs = springs::springs(&surface, &edges, &leaflets);
-        let root = 3.0_f64.sqrt() / 4.0;
-        let inner = springs.ends.iter().position(|&e| e == [1, 2]).unwrap();
-        // Rounding only: a dozen operations on numbers near 1.
-        let close = |a: f64, b: f64| (a - b).abs() < 1e-14 * 16.0;
-        assert!(close(springs.soft_n_per_mm[inner], root * 8.0));
-        assert!(close(springs.stiff_n_per_mm[inner], root * 20.0));
-        assert!(close(springs.compression_n_per_mm[inner], root * 4.0));
-        assert!(close(
-            springs.transition_length_mm[inner],
-            1.0 + (2.0 * 0.1 + 6.0 * 0.3) / 8.0
-        ));
-        assert!(close(springs.soft_n_per_mm[0], root * 2.0));
-        assert!(close(springs.transition_length_mm[0], 1.1));
     }
 
     #[test]
@@ -336,5 +295,97 @@ mod tests {
     fn equal_scenes_give_equal_models() {
         let (a, b) = (built(&skirt()).model, built(&skirt()).model);
         assert_eq!(format!("{a:?}"), format!("{b:?}"));
+    }
+
+    /// Numbers that look random and are the same every time (Knuth's multiplier, 64 bit).
+    struct Dice(u64);
+
+    impl Dice {
+        fn below(&mut self, count: usize) -> usize {
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 33) as usize % count
+        }
+
+        fn nasty(&mut self) -> f64 {
+            let values = [
+                f64::NAN,
+                f64::INFINITY,
+                -1.0,
+                0.0,
+                1e-320,
+                1e300,
+                5.0,
+                -20.0,
+                1e6,
+                0.011,
+                15.0,
+                -14.0,
+            ];
+            values[self.below(values.len())]
+        }
+
+        fn spoil(&mut self, scene: &mut Scene) {
+            let leaflet = self.below(2);
+            let (point, axis) = (self.below(27), self.below(3));
+            match self.below(12) {
+                0 => mesh(scene, leaflet).points_mm[point][axis] = self.nasty(),
+                1 => mesh(scene, leaflet).faces[point % 14][axis] = self.below(28) as u32,
+                2 => mesh(scene, leaflet).faces.truncate(14 + point),
+                3 => {
+                    mesh(scene, leaflet).annulus_points =
+                        Some((0..self.below(9) as u32 * 3).step_by(3).collect())
+                }
+                4 => lines(scene).points_mm[point % 8][axis] = self.nasty(),
+                5 => lines(scene).segments[point % 6][axis % 2] = self.below(9) as u32,
+                6 => scene.weld.tolerance_mm = self.nasty(),
+                7 => scene.weld.insertion_tolerance_mm = self.nasty(),
+                8 => scene.papillary[leaflet].tips_mm[0][axis] = self.nasty(),
+                9 => {
+                    scene.annulus.curve_mm = Some((0..self.below(30)).map(|c| skirt_point(c, axis)).collect())
+                }
+                10 => mesh(scene, leaflet).faces[point % 14].swap(0, 1),
+                _ => scene.landmarks.mid_anterior_mm = Some([self.nasty(), 0.0, 0.0]),
+            }
+        }
+    }
+
+    #[test]
+    fn no_scene_brings_it_down_and_no_model_holds_nonsense() {
+        let mut dice = Dice(1);
+        let mut good = 0;
+        for _ in 0..4000 {
+            let mut scene = skirt();
+            (0..1 + dice.below(3)).for_each(|_| dice.spoil(&mut scene));
+            let Ok(Built { model, .. }) = Model::build(&scene) else {
+                continue;
+            };
+            good += 1;
+            let count = model.rest_mm.len() as u32;
+            let springs = &model.springs;
+            let constants = [
+                &springs.rest_length_mm,
+                &springs.soft_n_per_mm,
+                &model.chords.rest_length_mm,
+            ];
+            assert!(constants.into_iter().flatten().all(|c| c.is_finite() && *c > 0.0));
+            assert!(model.rest_mm.iter().flatten().all(|c| c.is_finite()));
+            assert!(
+                model
+                    .faces
+                    .iter()
+                    .flatten()
+                    .chain(model.chords.ends.iter().flatten())
+                    .all(|&v| v < count)
+            );
+            assert!(model.landmarks.mid_posterior < model.annulus.len());
+            assert!(model.prescribed.is_sorted_by(|a, b| a.vertex < b.vertex));
+        }
+        assert!(
+            good > 400,
+            "only {good} of 4000 were good: the dice spoil too much to test anything"
+        );
     }
 }

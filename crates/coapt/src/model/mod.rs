@@ -4,12 +4,15 @@ mod annulus;
 mod attachment;
 mod build;
 mod chordae;
+mod cleaning;
+mod facing;
 mod faults;
 #[cfg(test)]
 pub(crate) mod fixtures;
 mod springs;
 mod surface;
 mod validate;
+mod validate_numbers;
 
 pub use build::Built;
 

@@ -42,3 +42,48 @@ pub(crate) fn springs(surface: &Surface, edges: &Edges, leaflets: &[Leaflet]) ->
     }
     springs
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::skirt;
+    use super::*;
+    use crate::Vec3;
+    use crate::mesh::topology;
+
+    #[test]
+    fn spring_constants_are_van_gelders() {
+        // Two equilateral triangles, E t = 2 N/mm: inside sqrt(3)/2 E t, at the border half of that.
+        let high = 0.75_f64.sqrt();
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.5, high], [1.5, high]];
+        let surface = Surface {
+            points: corners.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec(),
+            faces: vec![[0, 1, 2], [2, 1, 3]],
+            face_leaflet: vec![0, 1],
+            ..Surface::default()
+        };
+        let mut leaflets = skirt().leaflets;
+        let tissue = |soft: f64, knee: f64| Tissue::BilinearSprings {
+            pre_transition_modulus_mpa: soft,
+            transition_strain: knee,
+            post_transition_modulus_mpa: 10.0,
+            compression_modulus_ratio: 0.5,
+        };
+        leaflets[0].tissue = tissue(2.0, 0.1);
+        leaflets[1].tissue = tissue(6.0, 0.3);
+        let edges = topology::edges(&surface.faces);
+        let springs = springs(&surface, &edges, &leaflets);
+        let root = 3.0_f64.sqrt() / 4.0;
+        let inner = springs.ends.iter().position(|&e| e == [1, 2]).unwrap();
+        // Rounding only: a dozen operations on numbers near 1.
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-14 * 16.0;
+        assert!(close(springs.soft_n_per_mm[inner], root * 8.0));
+        assert!(close(springs.stiff_n_per_mm[inner], root * 20.0));
+        assert!(close(springs.compression_n_per_mm[inner], root * 4.0));
+        assert!(close(
+            springs.transition_length_mm[inner],
+            1.0 + (2.0 * 0.1 + 6.0 * 0.3) / 8.0
+        ));
+        assert!(close(springs.soft_n_per_mm[0], root * 2.0));
+        assert!(close(springs.transition_length_mm[0], 1.1));
+    }
+}
