@@ -32,6 +32,12 @@ const EXACT_TRIES: u32 = 4;
 const DAMPING_RISE: f64 = 8.0;
 /// The damping never falls below this part of its first value [1].
 const LEAST_DAMPING: f64 = 1e-7;
+/// So often the solver leaves an unstable balance of forces before it reports one.
+const ESCAPE_LIMIT: u32 = 30;
+/// How far it then pushes, as a part of the longest step [1].
+const ESCAPE_STEP: f64 = 0.1;
+/// Inverse iterations that find the direction; a rough one will do.
+const INVERSE_ITERATIONS: u32 = 8;
 /// A line search gives up after so many halvings.
 const HALVINGS: u32 = 12;
 /// Steps in a row without progress before the solver says so.
@@ -111,7 +117,7 @@ impl<'a> Solver<'a> {
     }
 
     fn iterate(&mut self, positions: &mut Vec<Vec3>, history: &mut Vec<Iteration>) -> Status {
-        let mut failures = 0;
+        let (mut failures, mut escapes) = (0, 0);
         self.cover(positions, 0.0);
         self.near = self.pairs.touching(positions, positions);
         for _ in 0..self.model.settings.iteration_limit {
@@ -120,7 +126,11 @@ impl<'a> Solver<'a> {
             let gradient = load::gradient(self.model, &self.near, positions);
             let residual = self.residual(&gradient);
             if residual <= self.model.settings.residual_tolerance && !moving {
-                return Status::Converged;
+                if escapes == ESCAPE_LIMIT || !self.escape(positions, &gradient) {
+                    return Status::Converged;
+                }
+                escapes += 1;
+                continue;
             }
             let (mut step, exact) = self.newton_step(positions, &gradient, &motion, residual);
             let longest = self.limit(&mut step);
@@ -365,16 +375,64 @@ impl<'a> Solver<'a> {
         }
     }
 
+    /// Whether the exact tangent is positive definite here.
     fn is_stable(&mut self, positions: &[Vec3], gradient: &[Vec3]) -> bool {
-        if self.free.is_empty() {
-            return true;
-        }
-        let motion = vec![Vec3::zeros(); positions.len()];
-        // Slack chord nodes have no stiffness at all; this much, far below any tissue, keeps them from counting.
-        self.damping = 1e-7 * self.model.pressure_mpa.max(1e-6);
-        self.assemble(positions, gradient, &motion, Curvature::Exact);
-        self.factorise().is_some()
+        self.assemble(
+            positions,
+            gradient,
+            &vec![Vec3::zeros(); positions.len()],
+            Curvature::Exact,
+        );
+        // Slack chord nodes have no stiffness at all; this much, far below any tissue's, keeps them from counting.
+        self.damping = self.least_damping;
+        self.free.is_empty() || self.factorise().is_some()
     }
+
+    /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in
+    /// which the tangent is most negative. False where there is no such direction.
+    fn escape(&mut self, positions: &mut Vec<Vec3>, gradient: &[Vec3]) -> bool {
+        if self.is_stable(positions, gradient) {
+            return false;
+        }
+        let Some(factor) = (0..40).find_map(|_| {
+            self.damping *= DAMPING_RISE;
+            self.factorise()
+        }) else {
+            return false;
+        };
+        let mut direction: Vec<Vec3> = (0..self.free.len()).map(pseudo_random).collect();
+        for _ in 0..INVERSE_ITERATIONS {
+            direction = self.symbolic.solve(&factor, &direction);
+            let longest = direction.iter().map(|x| x.norm()).fold(0.0, f64::max);
+            direction.iter_mut().for_each(|x| *x /= longest);
+        }
+        let curvature: f64 = direction
+            .iter()
+            .zip(self.matrix.multiply(&direction))
+            .map(|(x, kx)| x.dot(&kx))
+            .sum();
+        if curvature >= 0.0 {
+            return false;
+        }
+        let push = ESCAPE_STEP * self.step_limit_mm;
+        direction.iter_mut().for_each(|x| *x *= push);
+        let mut step = self.scatter(&direction, &vec![Vec3::zeros(); positions.len()]);
+        self.cover(positions, push);
+        step_bound::shorten(&self.pairs.meeting(positions, &step), positions, &mut step);
+        advance(positions, &step, 1.0);
+        self.near = self.pairs.touching(positions, positions);
+        true
+    }
+}
+
+/// A fixed vector without any symmetry that could hide a direction.
+fn pseudo_random(index: usize) -> Vec3 {
+    let x = index as f64;
+    Vec3::new(
+        (12.9898 * x + 1.0).sin(),
+        (78.233 * x + 2.0).sin(),
+        (37.719 * x + 3.0).sin(),
+    )
 }
 
 fn free_vertices(model: &Model) -> (Vec<u32>, Vec<u32>) {
