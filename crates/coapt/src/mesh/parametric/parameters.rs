@@ -127,11 +127,11 @@ pub struct LeafletDimensions {
 impl Default for LeafletDimensions {
     fn default() -> Self {
         Self {
-            anterior_heights_mm: [16.0, 23.0, 16.0],
-            posterior_heights_mm: [11.0, 13.5, 10.5],
-            commissure_height_mm: 6.0,
-            height_scale: 1.25,
-            indentation_depth: 0.15,
+            anterior_heights_mm: [17.5, 20.6, 17.5],
+            posterior_heights_mm: [11.0, 12.9, 10.4],
+            commissure_height_mm: 7.5,
+            height_scale: 1.2,
+            indentation_depth: 0.08,
             indentation_width_mm: 3.0,
             opening_angle_deg: 20.0,
             annular_turn_deg: 12.0,
@@ -162,8 +162,8 @@ pub struct PapillaryPositions {
 impl Default for PapillaryPositions {
     fn default() -> Self {
         Self {
-            anterolateral_mm: [12.0, 2.0, -20.0],
-            posteromedial_mm: [-12.0, 3.0, -21.0],
+            anterolateral_mm: [12.0, 4.0, -20.0],
+            posteromedial_mm: [-12.0, 5.0, -21.0],
             anterolateral_shift_mm: [0.0; 3],
             posteromedial_shift_mm: [0.0; 3],
             head_spread_mm: 2.0,
@@ -194,10 +194,10 @@ impl Default for ClosedShapeTarget {
     fn default() -> Self {
         Self {
             closure_line_fraction: 0.64,
-            tenting_height_mm: 4.5,
-            coaptation_length_mm: 6.0,
-            commissural_coaptation_length_mm: 2.5,
-            belly_fraction: 0.08,
+            tenting_height_mm: 7.0,
+            coaptation_length_mm: 5.5,
+            commissural_coaptation_length_mm: 4.0,
+            belly_fraction: -0.12,
         }
     }
 }
