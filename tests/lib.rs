@@ -1,6 +1,10 @@
 //! What several tests need.
 
 use coapt::Vec3;
+use coapt::mesh::parametric::{Preset, ValveParameters, generate};
+use coapt::model::Model;
+use coapt::relax::{Equilibrium, relax};
+use coapt::state::State;
 
 /// A small reproducible random generator (splitmix64), so that a failing test fails again.
 #[derive(Clone, Debug)]
@@ -21,4 +25,22 @@ impl Random {
     pub fn vector(&mut self) -> Vec3 {
         Vec3::new(self.signed(), self.signed(), self.signed())
     }
+}
+
+/// A preset as a model with about so many faces, its free points moved by up to `jitter_mm`.
+///
+/// # Panics
+/// When the preset cannot be built, which fails the test that asked for it.
+pub fn preset_model(preset: Preset, face_count: u32, jitter_mm: f64, jitter_seed: u64) -> Model {
+    let mut parameters = ValveParameters::preset(preset);
+    parameters.face_count_target = face_count;
+    parameters.jitter_mm = jitter_mm;
+    parameters.jitter_seed = jitter_seed;
+    let scene = generate(&parameters).expect("presets are right");
+    Model::build(&scene).expect("presets build").model
+}
+
+/// Closes a valve from its open state.
+pub fn close(model: &Model) -> Equilibrium {
+    relax(model, &State::open(model))
 }

@@ -1,3 +1,71 @@
-//! The command line.
+//! The program `coapt`: results to standard output, words to standard error. One file per verb; this one alone
+//! turns an outcome into an exit status.
+//!
+//! | status | meaning |
+//! |---|---|
+//! | 0 | done |
+//! | 1 | failed: something outside stood against it, such as a full disk |
+//! | 2 | wrong usage or wrong input |
+//! | 3 | finished, but the result is not certified |
 
-fn main() {}
+mod case;
+mod check;
+mod closure;
+mod generate;
+mod output;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use output::{Failure, Verdict};
+
+/// How a mitral valve closes, before and after a repair.
+#[derive(Debug, Parser)]
+#[command(name = "coapt", version, max_term_width = 100, after_help = AFTER_HELP)]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+const AFTER_HELP: &str = "\
+Exit status: 0 done, 1 failed, 2 wrong usage or wrong input, 3 finished but not certified.
+For research use; not a medical device.";
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Close a valve under systolic pressure, before and after a repair, and report
+    Closure(closure::Arguments),
+    /// Read and validate a scene; list every fault with its line
+    Check(check::Arguments),
+    /// Write a parametric valve as a scene
+    Generate(generate::Arguments),
+}
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help is a result, everything else is wrong usage; a closed pipe changes neither.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        }
+    };
+    let outcome = match &arguments.verb {
+        Verb::Closure(arguments) => closure::run(arguments),
+        Verb::Check(arguments) => check::run(arguments),
+        Verb::Generate(arguments) => generate::run(arguments),
+    };
+    match outcome {
+        Ok(Verdict::Done) => ExitCode::SUCCESS,
+        Ok(Verdict::Uncertified) => ExitCode::from(3),
+        Err(Failure::Input(faults)) => {
+            output::tell(&faults);
+            ExitCode::from(2)
+        }
+        Err(Failure::Outside(fault)) => {
+            output::tell(&[fault]);
+            ExitCode::from(1)
+        }
+    }
+}

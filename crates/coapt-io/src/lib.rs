@@ -3,3 +3,7 @@
 pub mod atomic;
 
 pub mod mesh;
+
+pub mod scene;
+
+pub mod report;

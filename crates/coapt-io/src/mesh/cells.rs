@@ -7,10 +7,7 @@
 use super::PolyData;
 use super::faults::{Faults, Place, Stop};
 use super::number::index_below;
-
-/// Points may stand this far out of a polygon's plane, over its diameter. Our choice: far above the rounding of
-/// single precision, far below any bend that one sees.
-const PLANAR_TOLERANCE: f64 = 1e-3;
+use super::polygon::{Halves, is_planar_and_convex, split_quad};
 
 /// The cell at hand, for messages: its number, and its line where the file is text.
 #[derive(Clone, Copy, Debug)]
@@ -30,17 +27,32 @@ impl Site {
     }
 }
 
+/// How many, and which was the first.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    count: usize,
+    first: Option<usize>,
+}
+
+impl Tally {
+    fn add(&mut self, number: usize) {
+        self.count += 1;
+        self.first.get_or_insert(number);
+    }
+}
+
 /// Cells on their way into a mesh, and what had to be done to them.
 #[derive(Debug, Default)]
 pub(super) struct CellReader {
     /// Corners of the cell at hand.
     corners: Vec<u32>,
-    quads: usize,
-    polygons: usize,
+    quads: Tally,
+    folded_quads: Tally,
+    polygons: Tally,
     /// Largest distance of a quad's diagonals [mm]: 0 for planar quads.
     warp_mm: f64,
-    dropped_faces: usize,
-    dropped_segments: usize,
+    dropped_faces: Tally,
+    dropped_segments: Tally,
     /// How many faces have been offered, which numbers them in messages.
     pub(super) face_count: usize,
     line_count: usize,
@@ -71,17 +83,24 @@ impl CellReader {
             self.corners.pop();
         }
         match self.corners.as_slice() {
-            [] | [_] | [_, _] => self.dropped_faces += 1,
+            [] | [_] | [_, _] => self.dropped_faces.add(face),
             &[a, b, c] => push_triangle(mesh, cell, [a, b, c]),
             &[a, b, c, d] => match split_quad(mesh, [a, b, c, d]) {
-                Some((halves, warp_mm)) => {
-                    self.quads += 1;
+                Some(Halves {
+                    triangles,
+                    warp_mm,
+                    folded,
+                }) => {
+                    self.quads.add(face);
+                    if folded {
+                        self.folded_quads.add(face);
+                    }
                     self.warp_mm = self.warp_mm.max(warp_mm);
-                    halves
+                    triangles
                         .into_iter()
                         .for_each(|half| push_triangle(mesh, cell, half));
                 }
-                None => site.error("the quad is not convex; triangulate it", faults)?,
+                None => site.error("the sides of the quad cross; triangulate it", faults)?,
             },
             _ if !is_planar_and_convex(mesh, &self.corners) => {
                 let count = self.corners.len();
@@ -89,7 +108,7 @@ impl CellReader {
                 site.error(&text, faults)?;
             }
             [first, others @ ..] => {
-                self.polygons += 1;
+                self.polygons.add(face);
                 for pair in others.windows(2) {
                     push_triangle(mesh, cell, [*first, pair[0], pair[1]]);
                 }
@@ -150,7 +169,7 @@ impl CellReader {
         }
         for pair in self.corners.windows(2) {
             if pair[0] == pair[1] {
-                self.dropped_segments += 1;
+                self.dropped_segments.add(number);
             } else {
                 mesh.lines.push([pair[0], pair[1]]);
                 mesh.line_source.push(cell as u32);
@@ -161,27 +180,39 @@ impl CellReader {
 
     /// Reports what was split and dropped.
     pub(super) fn report(&self, faults: &mut Faults) {
-        let mut say = |count: usize, what: &str| {
-            if count > 0 {
-                faults.warning(Place::File, format!("{count} {what}"));
+        let mut say = |tally: Tally, what: &str, noun: &str| {
+            if let Some(first) = tally.first {
+                faults.warning(
+                    Place::File,
+                    format!("{what}: {}, the first is {noun} {first}", tally.count),
+                );
             }
         };
-        let quads = format!(
-            "quads split along the shorter diagonal; their diagonals are up to {:.3} mm apart",
-            self.warp_mm
+        let apart = format!("their diagonals are up to {:.3} mm apart", self.warp_mm);
+        say(
+            self.quads,
+            &format!("quads split along the shorter diagonal ({apart})"),
+            "face",
         );
-        say(self.quads, &quads);
+        say(
+            self.folded_quads,
+            "quads that fold over along either diagonal",
+            "face",
+        );
         say(
             self.polygons,
-            "polygons with more than four corners split into fans of triangles",
+            "polygons with more than four corners, split into fans of triangles",
+            "face",
         );
         say(
             self.dropped_faces,
-            "faces with fewer than three different corners dropped",
+            "faces with fewer than three different corners, dropped",
+            "face",
         );
         say(
             self.dropped_segments,
-            "line segments from a point to itself dropped",
+            "line cells with a segment from a point to itself, dropped",
+            "line",
         );
     }
 
@@ -210,84 +241,6 @@ fn push_triangle(mesh: &mut PolyData, cell: usize, triangle: [u32; 3]) {
     mesh.triangles.push(triangle);
     // Cells are fewer than the bytes of the largest file that is read.
     mesh.triangle_source.push(cell as u32);
-}
-
-/// The halves on both sides of the shorter diagonal, and the distance of the diagonals [mm]; the longer
-/// diagonal where the shorter one runs outside, nothing where the quad folds over itself.
-fn split_quad(mesh: &PolyData, corners: [u32; 4]) -> Option<([[u32; 3]; 2], f64)> {
-    let [a, b, c, d] = corners;
-    if a == c || b == d {
-        return None;
-    }
-    let [pa, pb, pc, pd] = corners.map(|corner| mesh.points[corner as usize]);
-    let along_ac = [[a, b, c], [a, c, d]];
-    let along_bd = [[a, b, d], [b, c, d]];
-    let folded = |halves: [[u32; 3]; 2]| {
-        let [first, second] = halves.map(|half| area_vector(half.map(|corner| mesh.points[corner as usize])));
-        dot(first, second) < 0.0
-    };
-    let [ac, bd] = [subtract(pc, pa), subtract(pd, pb)];
-    let ac_is_shorter = dot(ac, ac) <= dot(bd, bd);
-    let [shorter, longer] = if ac_is_shorter {
-        [along_ac, along_bd]
-    } else {
-        [along_bd, along_ac]
-    };
-    let halves = [shorter, longer].into_iter().find(|&halves| !folded(halves))?;
-    let across = cross(ac, bd);
-    let length = dot(across, across).sqrt();
-    let warp_mm = if length > 0.0 {
-        (dot(subtract(pb, pa), across) / length).abs()
-    } else {
-        0.0
-    };
-    Some((halves, warp_mm))
-}
-
-fn is_planar_and_convex(mesh: &PolyData, corners: &[u32]) -> bool {
-    let point = |i: usize| mesh.points[corners[i % corners.len()] as usize];
-    let origin = point(0);
-    let mut normal = [0.0; 3];
-    let mut diameter = 0.0_f64;
-    for i in 1..corners.len() - 1 {
-        let part = area_vector([origin, point(i), point(i + 1)]);
-        normal = [0, 1, 2].map(|k| normal[k] + part[k]);
-        let edge = subtract(point(i), origin);
-        diameter = diameter.max(dot(edge, edge).sqrt());
-    }
-    let length = dot(normal, normal).sqrt();
-    if !(length.is_finite() && length > 0.0) {
-        return false;
-    }
-    // All corners turn left: a star that turns left everywhere winds twice, so each fan triangle must too.
-    let turns_left = |triangle| dot(area_vector(triangle), normal) >= -1e-12 * length * length;
-    (0..corners.len()).all(|i| {
-        let height = dot(subtract(point(i), origin), normal) / length;
-        height.abs() <= PLANAR_TOLERANCE * diameter
-            && turns_left([point(i), point(i + 1), point(i + 2)])
-            && turns_left([origin, point(i), point(i + 1)])
-    })
-}
-
-/// Twice the area, along the normal.
-fn area_vector([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
-    cross(subtract(b, a), subtract(c, a))
-}
-
-fn subtract(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }
 
 #[cfg(test)]
@@ -319,7 +272,10 @@ mod tests {
         ];
         let (triangles, said) = split(&kite, &[0.0, 3.0, 2.0, 1.0]);
         assert_eq!(triangles, [[0, 3, 1], [3, 2, 1]]);
-        assert!(said[0].starts_with("1 quads split"), "{said:?}");
+        assert!(
+            said[0].starts_with("quads split along the shorter diagonal ("),
+            "{said:?}"
+        );
         assert_eq!(split(&kite, &[3.0, 2.0, 1.0, 0.0]).0, [[3, 2, 1], [3, 1, 0]]);
     }
 
@@ -335,14 +291,35 @@ mod tests {
         let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let (triangles, said) = split(&square, &[0.0, 2.0, 1.0, 3.0]);
         assert!(triangles.is_empty());
-        assert_eq!(said, ["the quad is not convex; triangulate it"]);
+        assert_eq!(said, ["the sides of the quad cross; triangulate it"]);
+    }
+
+    #[test]
+    fn a_creased_quad_is_split_and_told() {
+        // Points 1 and 3 stand on one side of the diagonal 0 2, and 0 and 2 on one side of 1 3.
+        let height = 3.0_f64.sqrt();
+        let creased = [
+            [0.0, -1.0, 0.0],
+            [1.0, 0.0, height],
+            [0.0, 1.0, 0.0],
+            [1.0, 0.5, -height / 4.0],
+        ];
+        let (triangles, said) = split(&creased, &[0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(triangles.len(), 2);
+        assert_eq!(
+            said.last().map(String::as_str),
+            Some("quads that fold over along either diagonal: 1, the first is face 0")
+        );
     }
 
     #[test]
     fn warp_is_the_distance_of_the_diagonals() {
         let saddle = [[0.0, 0.0, 0.5], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]];
         let (_, said) = split(&saddle, &[0.0, 1.0, 2.0, 3.0]);
-        assert!(said[0].ends_with("up to 0.500 mm apart"), "{said:?}");
+        assert!(
+            said[0].ends_with("up to 0.500 mm apart): 1, the first is face 0"),
+            "{said:?}"
+        );
     }
 
     #[test]
@@ -373,7 +350,10 @@ mod tests {
         assert_eq!(split(&points, &[0.0, 1.0, 1.0, 2.0, 0.0]).0, [[0, 1, 2]]);
         let (triangles, said) = split(&points, &[0.0, 1.0, 0.0]);
         assert!(triangles.is_empty());
-        assert_eq!(said, ["1 faces with fewer than three different corners dropped"]);
+        assert_eq!(
+            said,
+            ["faces with fewer than three different corners, dropped: 1, the first is face 0"]
+        );
         assert_eq!(
             split(&points, &[0.0, 1.0, 3.0]).1,
             ["point 3 does not exist: there are 3, from 0"]

@@ -54,9 +54,8 @@ impl CellList {
 
 /// Reads a file.
 pub(super) fn read(bytes: &[u8], faults: &mut Faults) -> Result<PolyData, Stop> {
-    // Blank lines may stand before the first.
     let mut text = Scanner::new(bytes);
-    while text.line().is_some_and(|line| line.trim_ascii().is_empty()) {}
+    check_version(&mut text, faults);
     let title = text.line().unwrap_or_default();
     let space = frame::find_mark(title, Place::Line(text.line - 1), faults)?;
     let binary = match text.word().unwrap_or_default().to_ascii_uppercase().as_slice() {
@@ -85,6 +84,26 @@ pub(super) fn read(bytes: &[u8], faults: &mut Faults) -> Result<PolyData, Stop> 
     file.add_cells(faults)?;
     frame::to_lps(&mut file.mesh, &file.vectors, faults);
     Ok(file.mesh)
+}
+
+/// Reads the first line, before which blank lines may stand.
+fn check_version(text: &mut Scanner<'_>, faults: &mut Faults) {
+    let mut line = text.line();
+    while line.is_some_and(|line| line.trim_ascii().is_empty()) {
+        line = text.line();
+    }
+    let last_word = line
+        .unwrap_or_default()
+        .rsplit(u8::is_ascii_whitespace)
+        .find(|word| !word.is_empty());
+    let version = String::from_utf8_lossy(last_word.unwrap_or_default());
+    if !version
+        .parse::<f64>()
+        .is_ok_and(|number| (1.0..5.15).contains(&number))
+    {
+        let message = format!("version `{}` is not known; read as 5.1", shortened(&version));
+        faults.warning(Place::Line(text.line - 1), message);
+    }
 }
 
 impl Legacy<'_> {

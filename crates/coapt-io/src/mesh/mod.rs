@@ -27,6 +27,7 @@ mod obj;
 mod payload;
 mod ply;
 mod polydata;
+mod polygon;
 mod scanner;
 mod sniff;
 mod stl;

@@ -2,8 +2,8 @@
 //! section 2.2).
 //!
 //! The load follows the surface. With a closed or fixed rim it is the gradient of p·V; at a free margin it is
-//! not, so there is no energy. What the solver needs instead: the force, its symmetric tangent, the product of
-//! its full tangent with a vector, and the potential −p·V as the conservative part.
+//! not, so there is no energy. What the solver needs instead: the force, the symmetric and the antisymmetric part
+//! of its tangent, and the potential −p·V as the conservative part.
 
 use super::BlockSink;
 use crate::Vec3;
@@ -71,21 +71,35 @@ pub fn add_symmetric_tangent(
     }
 }
 
-/// Adds the full tangent of minus the force times `direction` [N for mm], shape `[vertex]`.
-pub fn add_tangent_product(
-    faces: &[[u32; 3]],
+/// The sides of faces that no other face shares, in the direction in which their face runs round.
+pub fn rim(faces: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let mut sides: Vec<[u32; 2]> = faces
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .collect();
+    sides.sort_unstable();
+    let lonely = |&[a, b]: &[u32; 2]| sides.binary_search(&[b, a]).is_err();
+    sides.iter().copied().filter(lonely).collect()
+}
+
+/// Adds the antisymmetric part of the tangent of minus the force times `direction` [N for mm], shape `[vertex]`.
+///
+/// What [`add_symmetric_tangent`] leaves of K is, for a and b, −p/12 [a − b]ₓ from each face, which cancels
+/// between the two faces of an inner side, and −p/6 [c − b]ₓ on the diagonal, which sums to nothing around an
+/// inner vertex. Only sides on the rim keep anything; with e = a − b, a side (a, b) gives a the share
+/// −p/6 e × dₐ − p/12 e × d_b, and b the same with a and b exchanged in d.
+pub fn add_antisymmetric_product(
+    rim: &[[u32; 2]],
     pressure_mpa: f64,
     positions_mm: &[Vec3],
     direction: &[Vec3],
     product: &mut [Vec3],
 ) {
-    for face in faces {
-        let [a, b, c] = face.map(|vertex| positions_mm[vertex as usize]);
-        let [da, db, dc] = face.map(|vertex| direction[vertex as usize]);
-        let change = (c - b).cross(&da) + (a - c).cross(&db) + (b - a).cross(&dc);
-        let force = change * (pressure_mpa / 6.0);
-        for &vertex in face {
-            product[vertex as usize] -= force;
-        }
+    for &[a, b] in rim {
+        let (a, b) = (a as usize, b as usize);
+        let e = (positions_mm[a] - positions_mm[b]) * (pressure_mpa / 12.0);
+        let (from_a, from_b) = (e.cross(&direction[a]), e.cross(&direction[b]));
+        product[a] -= from_a * 2.0 + from_b;
+        product[b] -= from_b * 2.0 + from_a;
     }
 }

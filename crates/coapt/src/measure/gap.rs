@@ -58,6 +58,18 @@ pub fn gap_mm(model: &Model, positions_mm: &[Vec3]) -> Vec<f64> {
         .collect()
 }
 
+/// Whether each leaflet vertex is in contact with a surface that it could seal against, shape `[vertex]`: the points
+/// that the coaptation area is made of.
+pub fn in_contact(model: &Model, positions_mm: &[Vec3]) -> Vec<bool> {
+    let positions_mm = super::usable_positions(model, positions_mm);
+    let g = gaps(model, &surface(model, positions_mm));
+    g.facing_mm
+        .iter()
+        .zip(&g.threshold_mm)
+        .map(|(gap, threshold)| gap <= threshold)
+        .collect()
+}
+
 /// Gap below which tissue with edges of this length is in contact [mm].
 pub(super) fn threshold_mm(model: &Model, edge_mm: f64) -> f64 {
     model.contact.thickness_mm + TOLERANCE_MM + TOLERANCE_EDGES * edge_mm

@@ -29,7 +29,7 @@ use crate::model::Model;
 pub use annulus::AnnulusMeasures;
 pub use coaptation::CoaptationMeasures;
 pub use forces::{ChordGroupMeasures, ChordMeasures, PapillaryMeasures, chord_forces};
-pub use gap::gap_mm;
+pub use gap::{gap_mm, in_contact};
 pub use leaflet::{LeafletMeasures, vertex_strain};
 pub use orifice::OrificeMeasures;
 pub use tenting::{BillowMeasures, TentingMeasures};

@@ -40,8 +40,8 @@ pub(crate) struct Attached {
 /// Welds chord points to each other (within the weld tolerance, across groups), then to tips and leaflet points.
 ///
 /// A chord point takes a tip or leaflet point within the weld tolerance. Within the insertion tolerance it does
-/// so if it is the end of a chord, or if no neighbour along the chord is nearer: a finely drawn chord is
-/// inserted by its last point only. Tips go before leaflet points.
+/// so if it is the end of a chord, or of several that come from one side, and no neighbour along them is nearer: a
+/// finely drawn chord is inserted by its last point only, and may pass a leaflet. Tips go before leaflet points.
 pub(crate) fn attach(scene: &Scene, leaflet: &[Vec3], tips: &[Vec3]) -> Attached {
     let (points, segments) = weld(scene);
     let mut neighbours = vec![Vec::new(); points.len()];
@@ -54,9 +54,9 @@ pub(crate) fn attach(scene: &Scene, leaflet: &[Vec3], tips: &[Vec3]) -> Attached
     let to_leaflet = nearest_of_all(&points, leaflet, reach);
     let takes = |near: &[Option<(u32, f64)>], node: usize| {
         let (target, distance) = near[node]?;
-        let further = |&other: &u32| near[other as usize].is_none_or(|(_, d)| d > distance);
         let others = &neighbours[node];
-        let inserts = others.len() <= 1 || others.iter().all(further);
+        let further = |&other: &u32| near[other as usize].is_none_or(|(_, d)| d > distance);
+        let inserts = others.len() <= 1 || (others.iter().all(further) && ends_here(&points, node, others));
         (distance <= scene.weld.tolerance_mm || inserts).then_some(target)
     };
     let anchor = |node: u32| match (takes(&to_tip, node as usize), takes(&to_leaflet, node as usize)) {
@@ -73,6 +73,13 @@ pub(crate) fn attach(scene: &Scene, leaflet: &[Vec3], tips: &[Vec3]) -> Attached
         segments: segments.collect(),
         nodes: points,
     }
+}
+
+/// Whether all segments at a point leave to one side, each pair at less than a right angle.
+fn ends_here(points: &[Vec3], node: usize, neighbours: &[u32]) -> bool {
+    let arm = |other: &u32| points[*other as usize] - points[node];
+    let pair = |(i, a): (usize, &u32)| neighbours[i + 1..].iter().all(|b| arm(a).dot(&arm(b)) > 0.0);
+    neighbours.iter().enumerate().all(pair)
 }
 
 /// Group, number in the group's mesh, ends as chord points.

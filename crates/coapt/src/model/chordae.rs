@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::attachment::{self, Anchor, Attached, Segment};
+use super::chord_checks::{check_components, refuse_short_circuits};
 use super::faults::Faults;
 use crate::Vec3;
 use crate::energy::chord::Chords;
-use crate::mesh::topology::DisjointSets;
 use crate::scene::Scene;
 
 /// Rest lengths outside these multiples of the open end distance are doubted (hard limits of plausible slack and
@@ -35,89 +35,26 @@ pub(crate) fn string(scene: &Scene, leaflet: &[Vec3], tips: &[Vec3], faults: &mu
     number(scene, &attached, leaflet, tips, faults)
 }
 
-/// A segment between two tips, or on one point, cannot do anything.
-fn refuse_short_circuits(attached: &Attached, faults: &mut Faults) {
-    for segment in &attached.segments {
-        match segment.ends {
-            [a, b] if a == b => {
-                let message =
-                    "both its ends are welded to the same point: shorter than the tolerances in `weld`";
-                faults.error(segment.name(), message);
-            }
-            [Anchor::Tip(_), Anchor::Tip(_)] => {
-                faults.error(
-                    segment.name(),
-                    "joins two papillary tips: both its ends are prescribed",
-                );
-            }
-            _ => {}
-        }
-    }
-}
-
 fn drop_duplicates(segments: &mut Vec<Segment>, faults: &mut Faults) {
     let mut first_of: BTreeMap<[Anchor; 2], String> = BTreeMap::new();
+    let mut dropped: Vec<[String; 2]> = Vec::new();
     segments.retain(|segment| {
         let [a, b] = segment.ends;
         let name = segment.name();
-        match first_of.get(&[a.min(b), a.max(b)]) {
-            Some(first) => {
-                faults.warning(name, format!("joins the same points as {first} and is left out"));
-                false
-            }
-            None => {
-                first_of.insert([a.min(b), a.max(b)], name);
-                true
-            }
+        if let Some(first) = first_of.get(&[a.min(b), a.max(b)]) {
+            dropped.push([name, first.clone()]);
+            return false;
         }
+        first_of.insert([a.min(b), a.max(b)], name);
+        true
     });
-}
-
-/// Every chord must hang on a tip, and branch without coming back to itself. Two branches that meet again in the
-/// leaflet or at a tip are no cycle.
-fn check_components(attached: &Attached, tips: &[Vec3], faults: &mut Faults) {
-    let mut sets = DisjointSets::new(attached.nodes.len());
-    for segment in &attached.segments {
-        if let [Anchor::Node(a), Anchor::Node(b)] = segment.ends
-            && !sets.join(a, b)
-        {
-            faults.error(segment.name(), "closes a cycle of chords; expected branches only");
-        }
+    if let Some([name, first]) = dropped.first() {
+        let message = format!(
+            "joins the same points as {first} and is left out ({} such)",
+            dropped.len()
+        );
+        faults.warning(name, message);
     }
-    let mut hangs = vec![false; attached.nodes.len()];
-    for segment in &attached.segments {
-        if let [Anchor::Node(node), Anchor::Tip(_)] | [Anchor::Tip(_), Anchor::Node(node)] = segment.ends {
-            hangs[sets.root(node) as usize] = true;
-        }
-    }
-    let mut told = vec![false; attached.nodes.len()];
-    for segment in &attached.segments {
-        let hanging = match segment.ends {
-            [Anchor::Node(node), _] | [_, Anchor::Node(node)] => {
-                let root = sets.root(node) as usize;
-                hangs[root] || std::mem::replace(&mut told[root], true)
-            }
-            ends => ends.iter().any(|end| matches!(end, Anchor::Tip(_))),
-        };
-        if !hanging {
-            let away = nearest_tip(attached, segment, tips);
-            faults.error(
-                segment.name(),
-                format!("its chord is attached to no papillary tip{away}"),
-            );
-        }
-    }
-}
-
-fn nearest_tip(attached: &Attached, segment: &Segment, tips: &[Vec3]) -> String {
-    let nodes = segment.ends.iter().filter_map(|end| match end {
-        Anchor::Node(node) => Some(attached.nodes[*node as usize]),
-        _ => None,
-    });
-    let distances = nodes.flat_map(|node| tips.iter().map(move |tip| (tip - node).norm()));
-    distances.reduce(f64::min).map_or(String::new(), |d| {
-        format!("; the nearest tip is {d:.2} mm from this segment")
-    })
 }
 
 /// Chord ends that reach nothing carry nothing: leaves them out, and again what they leave behind.
@@ -272,6 +209,32 @@ mod tests {
     }
 
     #[test]
+    fn a_chord_may_pass_a_leaflet_and_two_may_end_short_of_one_point() {
+        let mut scene = skirt();
+        let mesh = lines(&mut scene);
+        let way = |a: [f64; 3], b: [f64; 3], t: f64| [0, 1, 2].map(|i| a[i] + t * (b[i] - a[i]));
+        // Point 8 lies halfway along the chord to column 11, beside the margin point of column 12.
+        mesh.points_mm[1] = [-12.0, -2.0, -22.0];
+        mesh.points_mm.push(skirt_point(12, ROWS - 1));
+        mesh.points_mm[8][2] -= 0.9;
+        mesh.segments[1] = [1, 8];
+        mesh.segments.push([8, 2]);
+        // Both chords from the other tip end 0.3 mm below the margin point of column 0.
+        mesh.points_mm[6] = skirt_point(0, ROWS - 1);
+        mesh.points_mm[6][2] -= 0.3;
+        mesh.points_mm
+            .push(way(mesh.points_mm[5], mesh.points_mm[6], 0.5));
+        mesh.points_mm[9][1] += 1.0;
+        mesh.segments[5] = [5, 9];
+        mesh.segments.push([9, 6]);
+        let model = built(&scene).model;
+        let at = |segment: usize, end: usize| model.rest_mm[model.chords.ends[segment][end] as usize];
+        assert_eq!(at(1, 1).z, skirt_point(12, ROWS - 1)[2] - 0.9, "passes");
+        assert_eq!(at(4, 1), Vec3::from(skirt_point(0, ROWS - 1)));
+        assert_eq!(at(7, 1), Vec3::from(skirt_point(0, ROWS - 1)));
+    }
+
+    #[test]
     fn branches_of_different_groups_meet() {
         let mut scene = skirt();
         let mut other = scene.chordae[0].clone();
@@ -345,6 +308,15 @@ mod tests {
             "segment 0",
             "no papillary tip; the nearest tip is 2.00 mm"
         ));
+    }
+
+    #[test]
+    fn a_thread_between_leaflet_points_is_kept_and_told() {
+        let mut scene = skirt();
+        lines(&mut scene).segments.push([2, 6]);
+        let built = built(&scene);
+        assert_eq!(built.model.chords.ends.len(), 7);
+        assert!(told(&built.warnings, "segment 6", "joins two leaflet points"));
     }
 
     #[test]

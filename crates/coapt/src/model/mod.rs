@@ -3,6 +3,7 @@
 mod annulus;
 mod attachment;
 mod build;
+mod chord_checks;
 mod chordae;
 mod cleaning;
 mod facing;

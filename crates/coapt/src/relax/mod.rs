@@ -3,6 +3,7 @@
 pub mod block_matrix;
 pub mod certificate;
 pub mod cholesky;
+pub mod krylov;
 pub mod load;
 pub mod newton;
 

@@ -8,6 +8,7 @@
 use super::block_matrix::BlockMatrix;
 use super::certificate::certify;
 use super::cholesky::{Factor, Symbolic};
+use super::krylov;
 use super::load::{self, FreeSink, Merit, PRESCRIBED};
 use super::{Equilibrium, Iteration, Status};
 use crate::Vec3;
@@ -15,7 +16,7 @@ use crate::contact::crossing::crossings;
 use crate::contact::pairs::{Pair, PairList, largest_distance};
 use crate::contact::step_bound;
 use crate::contact::surface::Surface;
-use crate::energy::Curvature;
+use crate::energy::{Curvature, pressure};
 use crate::model::Model;
 use crate::state::State;
 
@@ -25,14 +26,19 @@ const STEP_LIMIT: f64 = 0.01;
 /// Longest step of a vertex in mean edge lengths [1]: fine meshes pay for long steps with long pair lists.
 const STEP_LIMIT_EDGES: f64 = 0.5;
 /// The exact tangent is tried from this residual on: farther out it is indefinite nearly always.
-const EXACT_BELOW: f64 = 10.0;
+const EXACT_BELOW: f64 = 0.3;
+/// The exact tangent is tried with this many dampings, each so many times the last.
+const EXACT_TRIES: u32 = 4;
+const DAMPING_RISE: f64 = 8.0;
+/// The damping never falls below this part of its first value [1].
+const LEAST_DAMPING: f64 = 1e-7;
 /// A line search gives up after so many halvings.
 const HALVINGS: u32 = 12;
 /// Steps in a row without progress before the solver says so.
 const STALL_LIMIT: u32 = 60;
 
 /// Length of the pair list's budget in steps [1]. More, and lists grow long; fewer, and they are made too often.
-const BUDGET_STEPS: f64 = 2.0;
+const BUDGET_STEPS: f64 = 1.5;
 
 struct Solver<'a> {
     model: &'a Model,
@@ -40,6 +46,7 @@ struct Solver<'a> {
     pairs: PairList,
     /// The pairs that may touch where the valve now is.
     near: Vec<Pair>,
+    rim: Vec<[u32; 2]>,
     free: Vec<u32>,
     free_index: Vec<u32>,
     weight_mm2: Vec<f64>,
@@ -48,6 +55,7 @@ struct Solver<'a> {
     reference_force_n: f64,
     step_limit_mm: f64,
     damping: f64,
+    least_damping: f64,
 }
 
 /// Relaxes from `start`.
@@ -85,6 +93,7 @@ impl<'a> Solver<'a> {
             surface,
             pairs: PairList::default(),
             near: Vec::new(),
+            rim: pressure::rim(&model.faces),
             free,
             free_index,
             weight_mm2,
@@ -93,9 +102,11 @@ impl<'a> Solver<'a> {
             reference_force_n: load::reference_force_n(model),
             step_limit_mm: (STEP_LIMIT * size).min(STEP_LIMIT_EDGES * mean_edge),
             damping: 0.0,
+            least_damping: 0.0,
         };
         // At this damping pressure alone moves a vertex by the step limit.
         solver.damping = model.pressure_mpa.max(1e-12) / solver.step_limit_mm;
+        solver.least_damping = LEAST_DAMPING * solver.damping;
         solver
     }
 
@@ -179,36 +190,52 @@ impl<'a> Solver<'a> {
         residual: f64,
     ) -> (Vec<Vec3>, bool) {
         if residual < EXACT_BELOW {
-            if let Some((factor, right)) = self.factorise(positions, gradient, motion, Curvature::Exact) {
-                let solution = self.symbolic.solve(&factor, &right);
-                return (self.scatter(&solution, motion), true);
+            let right = self.assemble(positions, gradient, motion, Curvature::Exact);
+            for _ in 0..EXACT_TRIES {
+                if let Some(factor) = self.factorise() {
+                    let solution = self.solve_unsymmetric(&factor, positions, &right);
+                    return (self.scatter(&solution, motion), true);
+                }
+                self.damping = (self.damping * DAMPING_RISE).max(self.least_damping);
             }
         }
+        let right = self.assemble(positions, gradient, motion, Curvature::Projected);
         for _ in 0..40 {
-            if let Some((factor, right)) = self.factorise(positions, gradient, motion, Curvature::Projected) {
-                let solution = self.symbolic.solve(&factor, &right);
-                return (self.scatter(&solution, motion), false);
+            if let Some(factor) = self.factorise() {
+                return (self.scatter(&self.symbolic.solve(&factor, &right), motion), false);
             }
             self.damping *= 10.0;
         }
         (motion.to_vec(), false)
     }
 
-    fn factorise(
-        &mut self,
-        positions: &[Vec3],
-        gradient: &[Vec3],
-        motion: &[Vec3],
-        curvature: Curvature,
-    ) -> Option<(Factor, Vec<Vec3>)> {
-        let right = self.assemble(positions, gradient, motion, curvature);
+    /// Solves with the true tangent: the factorised symmetric one plus what pressure on the free margin adds.
+    fn solve_unsymmetric(&self, factor: &Factor, positions: &[Vec3], right: &[Vec3]) -> Vec<Vec3> {
+        let shift = |index: usize| self.damping * self.weight_mm2[index];
+        let multiply = |vector: &[Vec3]| {
+            let mut product = self.matrix.multiply(vector);
+            for (index, (product, value)) in product.iter_mut().zip(vector).enumerate() {
+                *product += value * shift(index);
+            }
+            let direction = self.scatter(vector, &vec![Vec3::zeros(); positions.len()]);
+            let mut turned = vec![Vec3::zeros(); positions.len()];
+            let pressure = self.model.pressure_mpa;
+            pressure::add_antisymmetric_product(&self.rim, pressure, positions, &direction, &mut turned);
+            for (product, &vertex) in product.iter_mut().zip(&self.free) {
+                *product += turned[vertex as usize];
+            }
+            product
+        };
+        krylov::solve(multiply, |vector| self.symbolic.solve(factor, vector), right)
+    }
+
+    fn factorise(&self) -> Option<Factor> {
         let shift: Vec<f64> = self
             .weight_mm2
             .iter()
             .map(|weight| self.damping * weight)
             .collect();
-        let factor = self.symbolic.factor(&self.matrix, &shift).ok()?;
-        Some((factor, right))
+        self.symbolic.factor(&self.matrix, &shift).ok()
     }
 
     /// Fills the matrix and returns the right-hand side; grows the pattern where contact needs new places.
@@ -302,9 +329,9 @@ impl<'a> Solver<'a> {
 
     fn adapt_damping(&mut self, fraction: f64) {
         if fraction == 1.0 {
-            self.damping *= 0.5;
+            self.damping = (self.damping * 0.5).max(self.least_damping);
         } else if fraction < 0.3 {
-            self.damping = (self.damping * 4.0).max(1e-9);
+            self.damping = self.damping * 4.0;
         }
     }
 
@@ -345,8 +372,8 @@ impl<'a> Solver<'a> {
         let motion = vec![Vec3::zeros(); positions.len()];
         // Slack chord nodes have no stiffness at all; this much, far below any tissue, keeps them from counting.
         self.damping = 1e-7 * self.model.pressure_mpa.max(1e-6);
-        self.factorise(positions, gradient, &motion, Curvature::Exact)
-            .is_some()
+        self.assemble(positions, gradient, &motion, Curvature::Exact);
+        self.factorise().is_some()
     }
 }
 

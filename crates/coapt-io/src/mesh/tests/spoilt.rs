@@ -68,3 +68,26 @@ fn no_bytes_make_a_reader_panic() {
     // The test would be idle if nothing was ever refused, or nothing ever read.
     assert!(outcomes[0] > 5000 && outcomes[1] > 1000, "{outcomes:?}");
 }
+
+#[test]
+fn no_bytes_make_the_markups_reader_panic() {
+    let mut random = Random(0xca11);
+    let mut outcomes = [0_usize; 2];
+    for name in ["annulus.mrk.json", "papillary.mrk.json"] {
+        let whole = fixture(name);
+        for round in 0..600 {
+            let mut bytes = whole.clone();
+            if round % 2 == 0 {
+                bytes.truncate(random.below(whole.len()));
+            } else {
+                let at = random.below(whole.len());
+                bytes[at] = random.below(256) as u8;
+            }
+            let mut faults = Faults::new(name.to_owned());
+            let curve = markups::curve(&bytes, &mut faults);
+            outcomes[usize::from(faults.finish(curve).is_ok())] += 1;
+        }
+    }
+    // Half are cut, and none of those can be whole; most single bytes are spaces or in fields passed over.
+    assert!(outcomes[0] >= 600 && outcomes[1] > 100, "{outcomes:?}");
+}

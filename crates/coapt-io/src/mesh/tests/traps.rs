@@ -132,7 +132,7 @@ fn every_trap_gets_its_message() {
         (
             "lz4.vtp",
             fixture("unsupported_lz4.vtp"),
-            "lz4.vtp:2: compressor vtkLZ4DataCompressor is not read; save with zlib or without",
+            "lz4.vtp:1: compressor vtkLZ4DataCompressor is not read; save with zlib or without",
         ),
         ("empty.ply", Vec::new(), "empty.ply: the file is blank"),
         (
@@ -255,4 +255,18 @@ fn only_regular_files_are_opened() {
         assert!(read_mesh(&folder.join("loop.vtk")).is_err());
     }
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_version_from_the_future_is_read_and_told() {
+    let (mesh, warnings) = parse(
+        "a.vtk",
+        &edited("valve_legacy_51_ascii.vtk", "Version 5.1", "Version 6.0"),
+    )
+    .unwrap();
+    assert_eq!(mesh, valve());
+    assert_eq!(
+        said(&warnings)[0],
+        "a.vtk:1: version `6.0` is not known; read as 5.1"
+    );
 }

@@ -1,0 +1,112 @@
+//! `coapt check`: reads and validates a scene, lists every fault.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use coapt::contact::crossing::{Crossing, crossings};
+use coapt::contact::surface::Surface;
+use coapt::model::Model;
+use coapt::scene::{Fault, Severity};
+use serde_json::json;
+
+use crate::case;
+use crate::closure::Format;
+use crate::output::{Failure, Verdict, fault_line, print};
+
+/// What `coapt check` understands.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// A scene file, a folder with a scene.toml, or a preset
+    scene: PathBuf,
+    /// How the faults are printed
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+/// Runs the verb. The faults are its result, so they go to standard output; errors also make it fail.
+pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
+    let (model, faults) = match case::open(Some(&arguments.scene)).and_then(|case| case::build(&case)) {
+        Ok((model, mut faults)) => {
+            faults.extend(tangles(&model, &arguments.scene.display().to_string()));
+            (Some(model), faults)
+        }
+        Err(faults) => (None, faults),
+    };
+    let count = |severity| faults.iter().filter(|fault| fault.severity == severity).count();
+    let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
+    let size = model.as_ref().map(|model| {
+        (
+            model.rest_mm.len(),
+            model.faces.len(),
+            model.chords.ends.len(),
+            model.name.clone(),
+        )
+    });
+    print(&match arguments.format {
+        Format::Text => {
+            let mut text: String = faults.iter().map(|fault| fault_line(fault) + "\n").collect();
+            if let Some((vertices, faces, chords, name)) = size {
+                text += &format!("{name}: {faces} triangles, {vertices} vertices, {chords} chord segments\n");
+            }
+            let judged = if errors == 0 {
+                "ready to be closed"
+            } else {
+                "cannot be closed"
+            };
+            text += &format!(
+                "{}: {judged}: {}, {}\n",
+                arguments.scene.display(),
+                counted(errors, "error"),
+                counted(warnings, "warning")
+            );
+            text
+        }
+        Format::Json => {
+            let list: Vec<_> = faults.iter().map(entry).collect();
+            let mesh = size.map(|(vertices, faces, chords, _)| {
+                json!({"vertices": vertices, "faces": faces, "chords": chords})
+            });
+            let whole = json!({
+                "schema": "coapt-check/1", "scene": arguments.scene.display().to_string(),
+                "errors": errors, "warnings": warnings, "mesh": mesh, "faults": list,
+            });
+            format!("{whole:#}\n")
+        }
+    })?;
+    match errors {
+        0 => Ok(Verdict::Done),
+        // Everything is said already.
+        _ => Err(Failure::Input(Vec::new())),
+    }
+}
+
+fn counted(count: usize, noun: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{plural}")
+}
+
+fn entry(fault: &Fault) -> serde_json::Value {
+    let severity = match fault.severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+    };
+    json!({"severity": severity, "place": fault.place, "message": fault.message})
+}
+
+/// Faces that cross in the open valve: nobody can tell which side of which they belong to.
+fn tangles(model: &Model, place: &str) -> Option<Fault> {
+    let found = crossings(&Surface::new(&model.faces, &model.rest_mm), &model.rest_mm);
+    let Crossing { edge, face } = *found.first()?;
+    let at = |vertex: u32| model.rest_mm[vertex as usize];
+    let middle = (at(edge[0]) + at(edge[1])) / 2.0;
+    let leaflet = &model.leaflets[model.face_leaflet[face as usize] as usize].name;
+    let message = format!(
+        "surfaces cross in the open valve at {} edges, the first near ({:.2}, {:.2}, {:.2}) mm through the {leaflet} \
+         leaflet; expected an open shape in which nothing crosses",
+        found.len(),
+        middle.x,
+        middle.y,
+        middle.z
+    );
+    Some(Fault::error(place, message))
+}

@@ -1,0 +1,191 @@
+//! `coapt closure`: closes a valve, before and after a plan, and reports.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::{Args, ValueEnum, value_parser};
+use coapt::model::Model;
+use coapt::relax::relax;
+use coapt::repair::{self, parse_ring_spec};
+use coapt::scene::{Fault, Plan, Repair, SCHEMA_VERSION};
+use coapt::state::State;
+use coapt_io::report::{Closed, Closure, Report, text, write_results};
+use coapt_io::scene::{located, plan_from_text, read_text, sentence};
+
+use crate::case;
+use crate::output::{Failure, Verdict, print, say};
+
+/// What `coapt closure` understands.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// A scene file, a folder with a scene.toml, or a preset: healthy, dilated, flail, barlow, restricted
+    /// [default: healthy]
+    scene: Option<PathBuf>,
+    /// A plan file; the valve is closed again after its repairs
+    #[arg(long, value_name = "FILE", conflicts_with = "ring")]
+    plan: Option<PathBuf>,
+    /// An annuloplasty ring as FAMILY:SIZE, such as physio-like:30 (size in mm); a plan of one repair
+    #[arg(long, value_name = "SPEC")]
+    ring: Option<String>,
+    /// Folder for report.json and the surfaces (.vtp), made if need be
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// How the report is printed
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+    /// How many threads to use; the result does not depend on it [default: one per core]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// How a report is printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// A table for people.
+    Text,
+    /// One JSON object.
+    Json,
+}
+
+/// Runs the verb.
+pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
+    let case = case::open(arguments.scene.as_deref())?;
+    let plan = match (&arguments.plan, &arguments.ring) {
+        (Some(path), _) => Some(read_plan(path)?),
+        (None, Some(spec)) => Some(ring_plan(spec)?),
+        (None, None) => None,
+    };
+    let (model, warnings) = case::build(&case)?;
+    let (closure, report) = on_threads(arguments.threads, || {
+        let closure = close(model, warnings, plan.as_ref())?;
+        let report = Report::new(&closure);
+        Ok((closure, report))
+    })?;
+    if let Some(folder) = &arguments.out {
+        write_results(folder, &closure, &report).map_err(Failure::Outside)?;
+    }
+    print(&match arguments.format {
+        Format::Text => text(&report),
+        Format::Json => report.json().map_err(Failure::Outside)?,
+    })?;
+    if let Some(folder) = &arguments.out {
+        say(&format!("results are in {}\n", folder.display()));
+    }
+    Ok(match report.certified() {
+        true => Verdict::Done,
+        false => Verdict::Uncertified,
+    })
+}
+
+/// A plan and where its repairs stand, to name lines in it.
+struct Planned {
+    plan: Plan,
+    file: Option<(PathBuf, String)>,
+    warnings: Vec<Fault>,
+}
+
+fn read_plan(path: &Path) -> Result<Planned, Failure> {
+    let text = read_text(path).map_err(|fault| vec![fault])?;
+    let (plan, warnings) = plan_from_text(path, &text)?;
+    if plan.repair.is_empty() {
+        let message = "the plan has no repair; expected at least one [[repair]]";
+        return Err(vec![Fault::error(path.display().to_string(), message)].into());
+    }
+    Ok(Planned {
+        plan,
+        file: Some((path.to_owned(), text)),
+        warnings,
+    })
+}
+
+fn ring_plan(spec: &str) -> Result<Planned, Failure> {
+    let ring = parse_ring_spec(spec).map_err(|fault| {
+        vec![Fault {
+            place: "--ring".into(),
+            ..fault
+        }]
+    })?;
+    Ok(Planned {
+        plan: Plan {
+            schema_version: SCHEMA_VERSION,
+            name: spec.to_owned(),
+            repair: vec![Repair::Ring(ring)],
+        },
+        file: None,
+        warnings: Vec::new(),
+    })
+}
+
+impl Planned {
+    /// A fault of one repair (`ring.size_mm`), with the line of the plan that it speaks of.
+    fn located(&self, number: usize, fault: &Fault) -> Fault {
+        let Some((path, text)) = &self.file else {
+            return Fault {
+                severity: fault.severity,
+                place: "--ring".into(),
+                message: sentence(fault),
+            };
+        };
+        let key = fault.place.strip_prefix("ring").unwrap_or("");
+        let fault = Fault {
+            place: format!("repair[{number}]{key}"),
+            ..fault.clone()
+        };
+        located(&path.display().to_string(), text, &fault)
+    }
+}
+
+/// Closes a valve, and once more from the open state after the repairs.
+fn close(model: Model, warnings: Vec<Fault>, planned: Option<&Planned>) -> Result<Closure, Failure> {
+    let mut closure = Closure {
+        before: timed(model),
+        after: None,
+        repairs: Vec::new(),
+        warnings,
+    };
+    let Some(planned) = planned else {
+        return Ok(closure);
+    };
+    closure.warnings.extend(planned.warnings.iter().cloned());
+    let mut model = closure.before.model.clone();
+    for (number, deed) in planned.plan.repair.iter().enumerate() {
+        let locate = |faults: &[Fault]| -> Vec<Fault> {
+            faults
+                .iter()
+                .map(|fault| planned.located(number, fault))
+                .collect()
+        };
+        let repaired = repair::apply(&model, deed).map_err(|faults| locate(&faults))?;
+        closure.warnings.extend(locate(&repaired.warnings));
+        closure.repairs.push(repaired.report);
+        model = repaired.model;
+    }
+    closure.after = Some(timed(model));
+    Ok(closure)
+}
+
+fn timed(model: Model) -> Closed {
+    let start = Instant::now();
+    let equilibrium = relax(&model, &State::open(&model));
+    let wall_ms = start.elapsed().as_secs_f64() * 1e3;
+    Closed {
+        model,
+        equilibrium,
+        wall_ms,
+    }
+}
+
+/// Runs on a pool of so many threads, or as the machine has it.
+fn on_threads<T: Send>(
+    threads: Option<u16>,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    let Some(threads) = threads else { return work() };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads))
+        .build();
+    match pool {
+        Ok(pool) => pool.install(work),
+        Err(error) => Err(Failure::Outside(Fault::error("--threads", error.to_string()))),
+    }
+}

@@ -1,0 +1,120 @@
+//! `coapt generate`: writes a parametric valve as a scene.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use coapt::mesh::parametric::{self, Preset, ValveParameters};
+use coapt::scene::Fault;
+use coapt_io::scene::{nearest, sentence, write_scene};
+use serde_json::Value;
+use toml::Value as Toml;
+
+use crate::output::{Failure, Verdict, print};
+
+/// What `coapt generate` understands.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// healthy, dilated, flail, barlow or restricted
+    #[arg(default_value = "healthy")]
+    preset: String,
+    /// A parameter of the valve, such as annulus.transverse_mm=42, leaflets.anterior_heights_mm=[16,23,16] or
+    /// faces=2600; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<String>,
+    /// Folder for scene.toml and its meshes, made if need be
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Write into a folder that is not empty
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the verb.
+pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
+    let mut parameters = ValveParameters::preset(preset(&arguments.preset)?);
+    for setting in &arguments.settings {
+        parameters = set(&parameters, setting)
+            .map_err(|message| vec![Fault::error(format!("--set {setting}"), message)])?;
+    }
+    let scene = parametric::generate(&parameters).map_err(|faults| -> Vec<Fault> {
+        let named = |fault: &Fault| Fault::error("generate", sentence(fault));
+        faults.iter().map(named).collect()
+    })?;
+    refuse_full(&arguments.out, arguments.force)?;
+    write_scene(&arguments.out, &scene).map_err(Failure::Outside)?;
+    print(&format!("{}\n", arguments.out.join("scene.toml").display()))?;
+    Ok(Verdict::Done)
+}
+
+fn preset(name: &str) -> Result<Preset, Vec<Fault>> {
+    let names = Preset::ALL.map(Preset::name);
+    Preset::from_name(name).ok_or_else(|| {
+        let advice = match nearest(name, names) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => format!("there are {}", names.join(", ")),
+        };
+        vec![Fault::error("PRESET", format!("`{name}` is unknown; {advice}"))]
+    })
+}
+
+/// A folder with something in it is overwritten only when asked for.
+fn refuse_full(folder: &Path, force: bool) -> Result<(), Failure> {
+    let place = folder.display().to_string();
+    if folder.exists() && !folder.is_dir() {
+        return Err(vec![Fault::error(place, "is a file; expected a folder to write to")].into());
+    }
+    let mut entries = match std::fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(Failure::Outside(Fault::error(place, error.to_string()))),
+    };
+    if entries.next().is_some() && !force {
+        let message = "is not empty; give another folder, or --force to write into it";
+        return Err(vec![Fault::error(place, message)].into());
+    }
+    Ok(())
+}
+
+/// The parameters with one of them replaced; keys are dotted as in TOML, `faces` is short for `face_count_target`.
+fn set(parameters: &ValveParameters, setting: &str) -> Result<ValveParameters, String> {
+    let (key, value) = setting.split_once('=').ok_or("expected KEY=VALUE")?;
+    let key = match key.trim() {
+        "faces" => "face_count_target",
+        key => key,
+    };
+    // Words need no quotes: whatever is no TOML value is text.
+    let value = value.trim();
+    let value = match value.parse::<Toml>() {
+        Ok(value) => value,
+        Err(_) => Toml::String(value.to_owned()),
+    };
+    let value = serde_json::to_value(value).map_err(|error| error.to_string())?;
+    let mut table = serde_json::to_value(parameters).map_err(|error| error.to_string())?;
+    let steps: Vec<&str> = key.split('.').collect();
+    put(&mut table, &steps, value)?;
+    serde_json::from_value(table).map_err(|error| error.to_string())
+}
+
+/// Replaces the value at a key path.
+fn put(table: &mut Value, path: &[&str], value: Value) -> Result<(), String> {
+    let [step, rest @ ..] = path else {
+        *table = value;
+        return Ok(());
+    };
+    // A table that is absent by default, such as `chordae.rest_annulus`, begins empty.
+    if table.is_null() {
+        *table = Value::Object(serde_json::Map::new());
+    }
+    let Value::Object(entries) = table else {
+        return Err(format!("there is no key `{step}` below it: it holds a value"));
+    };
+    if !entries.is_empty() && !entries.contains_key(*step) {
+        let known: Vec<&str> = entries.keys().map(String::as_str).collect();
+        let advice = match nearest(step, known.iter().copied()) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => format!("there are {}", known.join(", ")),
+        };
+        return Err(format!("unknown key `{step}`; {advice}"));
+    }
+    put(entries.entry(*step).or_insert(Value::Null), rest, value)
+}

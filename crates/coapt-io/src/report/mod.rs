@@ -1,0 +1,230 @@
+//! What a closure found: as one object for machines, as a table for people, as surfaces for pictures.
+
+mod surfaces;
+mod text;
+
+use coapt::measure::{self, Measures};
+use coapt::model::Model;
+use coapt::relax::{Equilibrium, Status};
+use coapt::repair;
+use coapt::scene::{Fault, MMHG_MPA, RingFamily};
+use serde::Serialize;
+
+pub use surfaces::write_results;
+pub use text::text;
+
+/// The layout of the JSON report.
+pub const REPORT_SCHEMA: &str = "coapt-report/1";
+
+/// Stands in every report.
+pub const NOTICE: &str = "research use, not a medical device";
+
+/// A closed valve, and how long closing it took.
+#[derive(Clone, Debug)]
+pub struct Closed {
+    /// The valve.
+    pub model: Model,
+    /// Where it came to rest.
+    pub equilibrium: Equilibrium,
+    /// Wall-clock time of the relaxation [ms].
+    pub wall_ms: f64,
+}
+
+/// A valve closed, and closed again after a plan.
+#[derive(Clone, Debug)]
+pub struct Closure {
+    /// Without the plan.
+    pub before: Closed,
+    /// With it.
+    pub after: Option<Closed>,
+    /// What the repairs did, in their order.
+    pub repairs: Vec<repair::Report>,
+    /// Repairs of the input, guesses and doubts, in the order in which they came up.
+    pub warnings: Vec<Fault>,
+}
+
+/// The JSON report. Units are in the names; see the measures for their definitions.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// [`REPORT_SCHEMA`].
+    pub schema: &'static str,
+    /// Version of the program.
+    pub version: &'static str,
+    /// [`NOTICE`].
+    pub notice: &'static str,
+    /// Name of the case.
+    pub case: String,
+    /// Transvalvular pressure [mmHg].
+    pub pressure_mmhg: f64,
+    /// Size of the model.
+    pub mesh: MeshSize,
+    /// Without the plan.
+    pub before: Outcome,
+    /// With the plan; absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after: Option<Outcome>,
+    /// What the repairs did, in their order.
+    pub repairs: Vec<RepairReport>,
+    /// Repairs of the input, guesses and doubts.
+    pub warnings: Vec<String>,
+}
+
+/// Size of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct MeshSize {
+    /// Vertices: leaflets, chord nodes, papillary tips.
+    pub vertices: usize,
+    /// Triangles.
+    pub faces: usize,
+    /// Chord segments.
+    pub chords: usize,
+}
+
+/// One closed state.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outcome {
+    /// How it was found and how far it can be trusted.
+    pub solve: Solve,
+    /// What it measures.
+    #[serde(flatten)]
+    pub measures: Measures,
+}
+
+/// How a closed state was found and how far it can be trusted.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Solve {
+    /// Whether the result may be used: converged, stable, nothing crosses.
+    pub certified: bool,
+    /// Why the solver stopped.
+    pub status: Status,
+    /// Largest force left on a free vertex over the mean nodal pressure force [1].
+    pub residual: f64,
+    /// Solver iterations.
+    pub iterations: usize,
+    /// Wall-clock time [ms].
+    pub wall_ms: f64,
+    /// Whether a small push is answered by a small motion.
+    pub stable: bool,
+    /// Edges that pass through faces.
+    pub crossings: usize,
+    /// How far mid-surfaces in contact are nearer than the contact distance, at most [mm].
+    pub max_penetration_mm: f64,
+    /// Where that is [mm]; absent without contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_penetration_at_mm: Option<[f64; 3]>,
+    /// Expected distance from an infinitely fine mesh, root mean square [mm].
+    pub discretisation_mm: f64,
+}
+
+/// What one repair did.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum RepairReport {
+    /// Annuloplasty.
+    Ring {
+        /// Family; none for a measured curve.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        family: Option<RingFamily>,
+        /// Inner transverse diameter [mm]; none for a measured curve.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        size_mm: Option<f64>,
+        /// Whether the ring is closed.
+        closed: bool,
+        /// Length of the ring [mm].
+        ring_length_mm: f64,
+        /// Length of the stretch of annulus sewn to it, before [mm].
+        annulus_length_mm: f64,
+        /// Mean distance by which sewn annulus points move [mm].
+        warp_mean_mm: f64,
+        /// Largest of these distances [mm].
+        warp_max_mm: f64,
+        /// Least length of an annulus edge after over before [1].
+        edge_stretch_min: f64,
+        /// Largest of these ratios [1].
+        edge_stretch_max: f64,
+        /// Angle between the planes of ring and annulus [degree].
+        tilt_deg: f64,
+    },
+}
+
+impl Report {
+    /// Measures both states of a closure.
+    pub fn new(closure: &Closure) -> Self {
+        let model = &closure.before.model;
+        Self {
+            schema: REPORT_SCHEMA,
+            version: env!("CARGO_PKG_VERSION"),
+            notice: NOTICE,
+            case: model.name.clone(),
+            pressure_mmhg: model.pressure_mpa / MMHG_MPA,
+            mesh: MeshSize {
+                vertices: model.rest_mm.len(),
+                faces: model.faces.len(),
+                chords: model.chords.ends.len(),
+            },
+            before: outcome(&closure.before),
+            after: closure.after.as_ref().map(outcome),
+            repairs: closure.repairs.iter().map(repair_report).collect(),
+            warnings: closure.warnings.iter().map(warning).collect(),
+        }
+    }
+
+    /// Whether all that was computed may be used.
+    pub fn certified(&self) -> bool {
+        self.before.solve.certified && self.after.as_ref().is_none_or(|after| after.solve.certified)
+    }
+
+    /// As one JSON object, indented, with a line break at its end.
+    ///
+    /// # Errors
+    /// None that the types allow; numbers that are not finite would be written as `null`.
+    pub fn json(&self) -> Result<String, Fault> {
+        let text = serde_json::to_string_pretty(self);
+        text.map(|text| text + "\n")
+            .map_err(|error| Fault::error("report", error.to_string()))
+    }
+}
+
+fn warning(fault: &Fault) -> String {
+    crate::scene::sentence(fault)
+}
+
+fn outcome(closed: &Closed) -> Outcome {
+    let equilibrium = &closed.equilibrium;
+    let certificate = &equilibrium.certificate;
+    Outcome {
+        solve: Solve {
+            certified: certificate.is_certified(equilibrium.status),
+            status: equilibrium.status,
+            residual: certificate.residual,
+            iterations: equilibrium.history.len(),
+            wall_ms: closed.wall_ms,
+            stable: certificate.stable,
+            crossings: certificate.crossings.len(),
+            max_penetration_mm: certificate.max_penetration_mm,
+            max_penetration_at_mm: certificate.max_penetration_at_mm.map(Into::into),
+            discretisation_mm: certificate.discretisation_mm,
+        },
+        measures: measure::measure(
+            &closed.model,
+            &equilibrium.state.positions_mm,
+            &equilibrium.reactions_n,
+        ),
+    }
+}
+
+fn repair_report(report: &repair::Report) -> RepairReport {
+    let repair::Report::Ring(ring) = report;
+    RepairReport::Ring {
+        family: ring.family,
+        size_mm: ring.size_mm,
+        closed: ring.closed,
+        ring_length_mm: ring.ring_length_mm,
+        annulus_length_mm: ring.annulus_length_mm,
+        warp_mean_mm: ring.warp_mean_mm,
+        warp_max_mm: ring.warp_max_mm,
+        edge_stretch_min: ring.edge_stretch_min,
+        edge_stretch_max: ring.edge_stretch_max,
+        tilt_deg: ring.tilt_degrees,
+    }
+}

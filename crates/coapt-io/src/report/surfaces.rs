@@ -1,0 +1,167 @@
+//! Results as files: the report, and the valve open and closed with what is known at every point.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `report.json` | the report |
+//! | `open.vtp`, `closed.vtp` | leaflets; cells `leaflet`; points `annulus`; closed also points `gap_mm`, `contact`, `strain`, `displacement_mm` |
+//! | `open_chords.vtp`, `chords.vtp` | chordae; cells `group`, `rest_length_mm`; closed also `force_n` |
+//! | `ring.vtp` | the ring where it lies, after an annuloplasty |
+//!
+//! With a plan the surfaces stand twice, in `before/` and `after/`.
+
+use std::path::Path;
+
+use coapt::Vec3;
+use coapt::measure;
+use coapt::model::Model;
+use coapt::repair;
+use coapt::scene::Fault;
+
+use super::{Closed, Closure, Report};
+use crate::atomic::write_text_atomically;
+use crate::mesh::{Array, PolyData, write_vtp};
+
+/// Writes all results into a folder, which is made if need be; files of the same names are replaced. The same closure
+/// gives the same bytes, but for the wall-clock times in the report.
+///
+/// # Errors
+/// What the file system says.
+pub fn write_results(folder: &Path, closure: &Closure, report: &Report) -> Result<(), Fault> {
+    make(folder)?;
+    let path = folder.join("report.json");
+    write_text_atomically(&path, report.json()?.as_bytes())
+        .map_err(|error| Fault::error(path.display().to_string(), error.to_string()))?;
+    let Some(after) = &closure.after else {
+        return write_valve(folder, &closure.before);
+    };
+    write_valve(&folder.join("before"), &closure.before)?;
+    write_valve(&folder.join("after"), after)?;
+    for (number, report) in closure.repairs.iter().enumerate() {
+        let repair::Report::Ring(ring) = report;
+        let name = match number {
+            0 => "ring.vtp".to_owned(),
+            _ => format!("ring_{}.vtp", number + 1),
+        };
+        write_vtp(
+            &folder.join("after").join(name),
+            &polyline(&ring.curve_mm, ring.closed),
+        )?;
+    }
+    Ok(())
+}
+
+fn make(folder: &Path) -> Result<(), Fault> {
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Fault::error(folder.display().to_string(), error.to_string()))
+}
+
+fn write_valve(folder: &Path, closed: &Closed) -> Result<(), Fault> {
+    make(folder)?;
+    let model = &closed.model;
+    let positions = &closed.equilibrium.state.positions_mm;
+    write_vtp(&folder.join("open.vtp"), &leaflets(model, &model.rest_mm))?;
+    let mut surface = leaflets(model, positions);
+    surface.point_arrays.extend(at_points(model, positions));
+    write_vtp(&folder.join("closed.vtp"), &surface)?;
+    if model.chords.ends.is_empty() {
+        return Ok(());
+    }
+    write_vtp(&folder.join("open_chords.vtp"), &chords(model, &model.rest_mm))?;
+    let mut lines = chords(model, positions);
+    lines.cell_arrays.push(array(
+        "force_n",
+        1,
+        measure::chord_forces(model, positions).into_iter(),
+    ));
+    write_vtp(&folder.join("chords.vtp"), &lines)
+}
+
+/// The leaflets in some position.
+fn leaflets(model: &Model, positions_mm: &[Vec3]) -> PolyData {
+    let count = model.leaflet_vertex_count;
+    let mut on_annulus = vec![0.0; count];
+    for &vertex in &model.annulus {
+        on_annulus[vertex as usize] = 1.0;
+    }
+    PolyData {
+        points: positions_mm.iter().take(count).map(|&p| p.into()).collect(),
+        triangles: model.faces.clone(),
+        point_arrays: vec![array("annulus", 1, on_annulus.into_iter())],
+        cell_arrays: vec![array(
+            "leaflet",
+            1,
+            model.face_leaflet.iter().map(|&number| f64::from(number)),
+        )],
+        ..PolyData::default()
+    }
+}
+
+/// What is known at the points of the closed leaflets.
+fn at_points(model: &Model, positions_mm: &[Vec3]) -> Vec<Array> {
+    let count = model.leaflet_vertex_count;
+    let contact = measure::in_contact(model, positions_mm);
+    let moved = positions_mm.iter().zip(&model.rest_mm).take(count);
+    vec![
+        array(
+            "gap_mm",
+            1,
+            measure::gap_mm(model, positions_mm).into_iter().take(count),
+        ),
+        array("contact", 1, contact.into_iter().take(count).map(f64::from)),
+        array(
+            "strain",
+            1,
+            measure::vertex_strain(model, positions_mm)
+                .into_iter()
+                .take(count),
+        ),
+        array(
+            "displacement_mm",
+            3,
+            moved.flat_map(|(now, open)| <[f64; 3]>::from(now - open)),
+        ),
+    ]
+}
+
+/// The chordae in some position, with the points they use.
+fn chords(model: &Model, positions_mm: &[Vec3]) -> PolyData {
+    let chords = &model.chords;
+    let mut used: Vec<u32> = chords.ends.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    // Every end is in the list just made.
+    let number = |vertex: u32| used.binary_search(&vertex).unwrap_or(0) as u32;
+    PolyData {
+        points: used
+            .iter()
+            .map(|&vertex| positions_mm[vertex as usize].into())
+            .collect(),
+        lines: chords.ends.iter().map(|ends| ends.map(number)).collect(),
+        cell_arrays: vec![
+            array("group", 1, chords.group.iter().map(|&group| f64::from(group))),
+            array("rest_length_mm", 1, chords.rest_length_mm.iter().copied()),
+        ],
+        ..PolyData::default()
+    }
+}
+
+fn polyline(points: &[Vec3], closed: bool) -> PolyData {
+    let count = points.len() as u32;
+    let mut lines: Vec<[u32; 2]> = (1..count).map(|end| [end - 1, end]).collect();
+    if closed && count > 2 {
+        lines.push([count - 1, 0]);
+    }
+    PolyData {
+        points: points.iter().map(|&p| p.into()).collect(),
+        lines,
+        ..PolyData::default()
+    }
+}
+
+fn array(name: &str, components: usize, values: impl Iterator<Item = f64>) -> Array {
+    Array {
+        name: name.into(),
+        components,
+        values: values.collect(),
+    }
+}

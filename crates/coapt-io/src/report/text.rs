@@ -1,0 +1,356 @@
+//! The report as a person reads it: what was closed, how far to trust it, one row per measure.
+
+use std::fmt::Write;
+
+use coapt::measure::Measures;
+use coapt::relax::Status;
+use coapt::scene::RingFamily;
+
+use super::{Outcome, RepairReport, Report, Solve};
+
+/// Longest line.
+const WIDTH: usize = 100;
+
+/// Columns: the name of a measure, its unit, its values.
+const NAME: usize = 42;
+const UNIT: usize = 5;
+const VALUE: usize = 11;
+
+/// A row of the table.
+struct Row {
+    name: String,
+    unit: &'static str,
+    /// Digits after the decimal point: no more than a mesh of this kind can resolve.
+    digits: usize,
+    value: f64,
+}
+
+/// Rows under a heading.
+struct Group {
+    title: &'static str,
+    rows: Vec<Row>,
+}
+
+/// The report as text, at most 100 letters wide, with a line break at its end.
+pub fn text(report: &Report) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "{}: mitral valve closed at {:.0} mmHg (coapt {})",
+        report.case, report.pressure_mmhg, report.version
+    );
+    let mesh = report.mesh;
+    let _ = writeln!(
+        out,
+        "{} triangles, {} vertices, {} chord segments",
+        mesh.faces, mesh.vertices, mesh.chords
+    );
+    for repair in &report.repairs {
+        line(&mut out, "repair", &repair_line(repair));
+    }
+    out.push('\n');
+    match &report.after {
+        None => certificate(&mut out, "", &report.before.solve),
+        Some(after) => {
+            certificate(&mut out, "before: ", &report.before.solve);
+            certificate(&mut out, "after:  ", &after.solve);
+        }
+    }
+    table(&mut out, report);
+    if !report.warnings.is_empty() {
+        out.push('\n');
+        for warning in &report.warnings {
+            line(&mut out, "warning", warning);
+        }
+    }
+    let _ = writeln!(out, "\n{}", report.notice);
+    out
+}
+
+/// Two lines on how far a result can be trusted.
+fn certificate(out: &mut String, name: &str, solve: &Solve) {
+    let verdict = match verdict(solve) {
+        None => "CERTIFIED (converged, stable, no surfaces cross)".to_owned(),
+        Some(reasons) => format!("NOT CERTIFIED: {reasons}"),
+    };
+    wrapped(out, name, &verdict);
+    let work = format!(
+        "residual {:.1e}, {} iterations, {:.0} ms; mesh error about {:.2} mm; contact {:.2} mm deep at most",
+        solve.residual, solve.iterations, solve.wall_ms, solve.discretisation_mm, solve.max_penetration_mm
+    );
+    wrapped(out, &" ".repeat(name.len()), &work);
+}
+
+/// Why a result is not certified; none if it is.
+fn verdict(solve: &Solve) -> Option<String> {
+    if solve.certified {
+        return None;
+    }
+    let mut reasons = Vec::new();
+    match solve.status {
+        Status::Converged => {}
+        Status::IterationLimit => {
+            reasons.push("the iteration limit came before the forces balanced".to_owned())
+        }
+        Status::Stalled => reasons.push("the solver made no progress any more".to_owned()),
+        Status::TangledStart => reasons.push("surfaces cross in the open valve already".to_owned()),
+    }
+    if !solve.stable {
+        reasons.push("the shape is not stable".to_owned());
+    }
+    if solve.crossings > 0 {
+        reasons.push(format!("surfaces cross at {} edges", solve.crossings));
+    }
+    Some(reasons.join("; "))
+}
+
+fn table(out: &mut String, report: &Report) {
+    let before = groups(&report.before);
+    let after = report.after.as_ref().map(groups);
+    if after.is_some() {
+        let _ = writeln!(
+            out,
+            "\n{:NAME$} {:UNIT$}{:>VALUE$}{:>VALUE$}{:>VALUE$}",
+            "", "", "before", "after", "change"
+        );
+    }
+    for (number, group) in before.iter().enumerate() {
+        if group.rows.is_empty() {
+            continue;
+        }
+        let _ = writeln!(out, "\n{}", group.title);
+        let later = after.as_ref().and_then(|groups| groups.get(number));
+        for (number, row) in group.rows.iter().enumerate() {
+            let later = later.and_then(|group| group.rows.get(number));
+            let _ = writeln!(out, "{}", row_line(row, later));
+        }
+    }
+}
+
+fn row_line(row: &Row, later: Option<&Row>) -> String {
+    let digits = row.digits;
+    let name = format!("  {}", shortened(&row.name, NAME - 2));
+    let mut text = format!(
+        "{name:NAME$} {:UNIT$}{:>VALUE$}",
+        row.unit,
+        number(row.value, digits)
+    );
+    if let Some(later) = later {
+        let change = later.value - row.value;
+        let sign = if number(change, digits).starts_with('-') || is_zero(change, digits) {
+            ""
+        } else {
+            "+"
+        };
+        let change = format!("{sign}{}", number(change, digits));
+        let _ = write!(text, "{:>VALUE$}{change:>VALUE$}", number(later.value, digits));
+    }
+    text
+}
+
+/// A number to so many digits, without a minus before zero.
+fn number(value: f64, digits: usize) -> String {
+    if is_zero(value, digits) {
+        return format!("{:.digits$}", 0.0);
+    }
+    format!("{value:.digits$}")
+}
+
+fn is_zero(value: f64, digits: usize) -> bool {
+    let text = format!("{value:.digits$}");
+    text.chars().all(|letter| matches!(letter, '-' | '0' | '.'))
+}
+
+fn shortened(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.to_owned();
+    }
+    text.chars()
+        .take(width.saturating_sub(3))
+        .chain("...".chars())
+        .collect()
+}
+
+fn row(name: impl Into<String>, unit: &'static str, digits: usize, value: f64) -> Row {
+    Row {
+        name: name.into(),
+        unit,
+        digits,
+        value,
+    }
+}
+
+fn groups(outcome: &Outcome) -> Vec<Group> {
+    let m = &outcome.measures;
+    vec![
+        Group {
+            title: "Competence",
+            rows: vec![
+                row("regurgitant orifice area", "mm²", 1, m.orifice.area_mm2),
+                row("holes", "", 0, m.orifice.count as f64),
+                row("widest gap", "mm", 1, m.orifice.max_gap_mm),
+            ],
+        },
+        Group {
+            title: "Coaptation",
+            rows: vec![
+                row("contact area", "mm²", 1, m.coaptation.area_mm2),
+                row("coaptation length, mean", "mm", 1, m.coaptation.length_mean_mm),
+                row("coaptation length, largest", "mm", 1, m.coaptation.length_max_mm),
+                row("line of closure", "mm", 1, m.coaptation.closure_line_mm),
+            ],
+        },
+        Group {
+            title: "Annulus",
+            rows: annulus(m),
+        },
+        Group {
+            title: "Tenting and billow",
+            rows: vec![
+                row("tenting height", "mm", 1, m.tenting.height_mm),
+                row("tenting area, mid-section", "mm²", 1, m.tenting.area_mm2),
+                row("tenting volume", "mL", 2, m.tenting.volume_ml),
+                row("billow height", "mm", 1, m.billow.height_mm),
+                row("billow volume", "mL", 2, m.billow.volume_ml),
+            ],
+        },
+        Group {
+            title: "Leaflets",
+            rows: leaflets(m),
+        },
+        Group {
+            title: "Chordae",
+            rows: chordae(m),
+        },
+        Group {
+            title: "Force on the heart",
+            rows: reactions(m),
+        },
+    ]
+}
+
+fn annulus(m: &Measures) -> Vec<Row> {
+    let a = &m.annulus;
+    vec![
+        row("anteroposterior diameter", "mm", 1, a.ap_mm),
+        row("commissural width", "mm", 1, a.commissural_mm),
+        row("intertrigonal distance", "mm", 1, a.intertrigonal_mm),
+        row("circumference", "mm", 1, a.circumference_mm),
+        row("area, projected", "mm²", 0, a.area_2d_mm2),
+        row("area, in space", "mm²", 0, a.area_3d_mm2),
+        row("height", "mm", 1, a.height_mm),
+        row("height to commissural width", "%", 1, 100.0 * a.ahcwr),
+        row("non-planarity angle", "°", 0, a.nonplanarity_angle_deg),
+    ]
+}
+
+fn leaflets(m: &Measures) -> Vec<Row> {
+    let rows = m.leaflets.iter().flat_map(|leaflet| {
+        let name = &leaflet.name;
+        [
+            row(format!("{name}: area, open"), "mm²", 0, leaflet.area_rest_mm2),
+            row(format!("{name}: area, closed"), "mm²", 0, leaflet.area_mm2),
+            row(
+                format!("{name}: strain, 95th percentile"),
+                "%",
+                1,
+                100.0 * leaflet.strain_p95,
+            ),
+        ]
+    });
+    rows.collect()
+}
+
+fn chordae(m: &Measures) -> Vec<Row> {
+    if m.chords.groups.is_empty() {
+        return Vec::new();
+    }
+    let mut rows = vec![
+        row("all: total tension", "N", 2, m.chords.total_force_n),
+        row("all: largest tension", "N", 2, m.chords.max_force_n),
+    ];
+    for group in &m.chords.groups {
+        rows.push(row(
+            format!("{}: total tension", group.name),
+            "N",
+            2,
+            group.total_force_n,
+        ));
+        rows.push(row(
+            format!("{}: largest tension", group.name),
+            "N",
+            2,
+            group.max_force_n,
+        ));
+    }
+    rows
+}
+
+fn reactions(m: &Measures) -> Vec<Row> {
+    let size = |force: [f64; 3]| force.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let muscles = m.papillary.iter().map(|muscle| {
+        row(
+            format!("{} papillary muscle", muscle.name),
+            "N",
+            2,
+            size(muscle.force_n),
+        )
+    });
+    let mut rows: Vec<Row> = muscles.collect();
+    rows.push(row("annulus", "N", 2, size(m.annulus_force_n)));
+    rows
+}
+
+fn repair_line(repair: &RepairReport) -> String {
+    let RepairReport::Ring {
+        family,
+        size_mm,
+        closed,
+        ring_length_mm,
+        annulus_length_mm,
+        warp_mean_mm,
+        warp_max_mm,
+        ..
+    } = repair;
+    let kind = if *closed { "closed" } else { "open" };
+    let shape = match (family.and_then(family_name), size_mm) {
+        (Some(name), Some(size)) => format!("ring {name}, size {size} mm"),
+        _ => "measured ring".to_owned(),
+    };
+    format!(
+        "{shape} ({kind}, {ring_length_mm:.1} mm long) on {annulus_length_mm:.1} mm of annulus, which moves \
+         {warp_mean_mm:.1} mm on average, {warp_max_mm:.1} mm at most"
+    )
+}
+
+/// The name of a family as in plans.
+fn family_name(family: RingFamily) -> Option<String> {
+    Some(serde_json::to_value(family).ok()?.as_str()?.to_owned())
+}
+
+/// A paragraph that begins with a word and a colon.
+fn line(out: &mut String, word: &str, text: &str) {
+    wrapped(out, &format!("{word}: "), text);
+}
+
+/// Text broken between words, the further lines below the text of the first.
+fn wrapped(out: &mut String, start: &str, text: &str) {
+    let indent = start.chars().count();
+    let mut column = indent;
+    out.push_str(start);
+    for (number, word) in text.split_whitespace().enumerate() {
+        let length = word.chars().count();
+        if number > 0 && column + 1 + length > WIDTH {
+            out.push('\n');
+            out.push_str(&" ".repeat(indent));
+            column = indent;
+        } else if number > 0 {
+            out.push(' ');
+            column += 1;
+        }
+        out.push_str(word);
+        column += length;
+    }
+    out.push('\n');
+}

@@ -1,0 +1,292 @@
+//! The text of a scene or a plan, TOML or JSON, into its type; what is wrong with line and column.
+
+use std::fs::File;
+use std::io::Read;
+use std::ops::Range;
+use std::path::Path;
+
+use coapt::scene::{Fault, SCHEMA_VERSION};
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::nearest::nearest;
+
+/// Larger texts are refused: a scene with a mesh of half a million faces written into it takes less.
+const SIZE_LIMIT_BYTES: u64 = 64 << 20;
+
+/// Faults after which reading stops: enough to see the pattern.
+const FAULT_LIMIT: usize = 20;
+
+/// A text file of acceptable size.
+///
+/// # Errors
+/// No regular file, too large, not UTF-8, empty, or what the file system says.
+pub fn read_text(path: &Path) -> Result<String, Fault> {
+    let fault = |message: String| Fault::error(path.display().to_string(), message);
+    // Asked before opening: to open a FIFO is to wait for its writer.
+    let metadata = std::fs::metadata(path).map_err(|error| fault(error.to_string()))?;
+    if metadata.is_dir() {
+        return Err(fault("is a folder, not a file".into()));
+    }
+    if !metadata.is_file() {
+        return Err(fault("is not a regular file".into()));
+    }
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(SIZE_LIMIT_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|error| fault(error.to_string()))?;
+    if bytes.len() as u64 > SIZE_LIMIT_BYTES {
+        return Err(fault(format!(
+            "is larger than {} MiB; put meshes into files of their own and name them by `mesh_file`",
+            SIZE_LIMIT_BYTES >> 20
+        )));
+    }
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let line = error.as_bytes()[..error.utf8_error().valid_up_to()]
+            .iter()
+            .filter(|&&byte| byte == b'\n')
+            .count();
+        Fault::error(format!("{}:{}", path.display(), line + 1), "is not UTF-8 text")
+    })?;
+    if text.trim().is_empty() {
+        return Err(fault("is empty".into()));
+    }
+    // Some editors begin a file with a byte order mark.
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+}
+
+/// Whether a text is JSON; no TOML document begins with a brace.
+pub(super) fn is_json(text: &str) -> bool {
+    text.trim_start().starts_with(['{', '['])
+}
+
+/// Reads a document. Of TOML, all syntax faults or all unknown keys are told; of JSON, the first fault.
+///
+/// # Errors
+/// Faults with their place as `file:line:column`.
+pub(super) fn parse<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Fault>> {
+    if is_json(text) {
+        parse_json(file, text).map_err(|fault| vec![fault])
+    } else {
+        parse_toml(file, text)
+    }
+}
+
+fn parse_json<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Fault> {
+    let fault = |error: serde_json::Error| {
+        let told = error.to_string();
+        let message = told.split(" at line ").next().unwrap_or(&told);
+        let place = format!("{file}:{}:{}", error.line().max(1), error.column().max(1));
+        Fault::error(place, plain(message).0)
+    };
+    #[derive(serde::Deserialize)]
+    struct Version {
+        schema_version: Option<u64>,
+    }
+    // A newer layout is told before the keys that are unknown for that reason.
+    if let Ok(Version {
+        schema_version: Some(version),
+    }) = serde_json::from_str(text)
+        && let Some(message) = wrong_version(version)
+    {
+        return Err(Fault::error(format!("{file}: schema_version"), message));
+    }
+    serde_json::from_str(text).map_err(fault)
+}
+
+fn wrong_version(version: u64) -> Option<String> {
+    let supported = u64::from(SCHEMA_VERSION);
+    (version != supported).then(|| match version > supported {
+        true => {
+            format!("is {version}, this version reads {supported}; install a newer coapt to read this file")
+        }
+        false => format!("is {version}, this version reads {supported}"),
+    })
+}
+
+fn parse_toml<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Fault>> {
+    let at = |span: Option<Range<usize>>| place(file, text, span.map_or(0, |span| span.start));
+    let (mut table, errors) = DeTable::parse_recoverable(text);
+    if !errors.is_empty() {
+        let told = errors.iter().take(FAULT_LIMIT);
+        return Err(told
+            .map(|error| Fault::error(at(error.span()), error.message()))
+            .collect());
+    }
+    if let Some(version) = table.get_ref().get("schema_version")
+        && let DeValue::Integer(number) = version.get_ref()
+        && let Ok(number) = number.as_str().parse()
+        && let Some(message) = wrong_version(number)
+    {
+        return Err(vec![Fault::error(
+            at(Some(version.span())),
+            format!("schema_version {message}"),
+        )]);
+    }
+    let mut faults = Vec::new();
+    loop {
+        let error = match T::deserialize(toml::Deserializer::from(table.clone())) {
+            Ok(value) if faults.is_empty() => return Ok(value),
+            Ok(_) => return Err(faults),
+            Err(error) => error,
+        };
+        // An unknown key is told and taken out, so that the next one is found as well.
+        let (message, unknown) = plain(error.message());
+        let span = error.span();
+        let outer = table.span();
+        let removed = unknown.and_then(|key| {
+            take_out(
+                table.get_mut(),
+                &outer,
+                &key,
+                span.clone().unwrap_or(outer.clone()),
+            )
+        });
+        let go_on = removed.is_some() && faults.len() + 1 < FAULT_LIMIT;
+        faults.push(Fault::error(at(removed.or(span)), message));
+        if !go_on {
+            return Err(faults);
+        }
+    }
+}
+
+/// Removes the key that an error at `span` speaks of and gives its place: the key itself stands there, or, where
+/// the reader lost track (in tables that a tag tells apart), the table that holds it.
+fn take_out(
+    table: &mut DeTable<'_>,
+    of_table: &Range<usize>,
+    key: &str,
+    span: Range<usize>,
+) -> Option<Range<usize>> {
+    if let Some((found, _)) = table.get_key_value(key)
+        && (found.span() == span || *of_table == span)
+    {
+        let place = found.span();
+        table.remove(key);
+        return Some(place);
+    }
+    table
+        .iter_mut()
+        .find_map(|(_, value)| take_out_of_value(value, key, &span))
+}
+
+fn take_out_of_value(
+    value: &mut Spanned<DeValue<'_>>,
+    key: &str,
+    span: &Range<usize>,
+) -> Option<Range<usize>> {
+    let of_value = value.span();
+    match value.get_mut() {
+        DeValue::Table(table) => take_out(table, &of_value, key, span.clone()),
+        DeValue::Array(items) => items
+            .iter_mut()
+            .find_map(|item| take_out_of_value(item, key, span)),
+        _ => None,
+    }
+}
+
+/// The reader's words in ours, and the key if it is an unknown one.
+pub(super) fn plain(message: &str) -> (String, Option<String>) {
+    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    let (noun, is_key) = match message {
+        _ if message.starts_with("unknown field") => ("key", true),
+        _ if message.starts_with("unknown variant") => ("value", false),
+        _ if message.starts_with("missing field") && quoted.len() == 1 => {
+            return (format!("the key `{}` is missing", quoted[0]), None);
+        }
+        _ => return (message.to_owned(), None),
+    };
+    let [word, known @ ..] = &quoted[..] else {
+        return (message.to_owned(), None);
+    };
+    let advice = match nearest(word, known.iter().copied()) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => format!("there are {}", known.join(", ")),
+    };
+    (
+        format!("unknown {noun} `{word}`; {advice}"),
+        is_key.then(|| (*word).to_owned()),
+    )
+}
+
+/// Line and column of a byte, both from 1; columns count letters.
+fn place(file: &str, text: &str, byte: usize) -> String {
+    let before = text.get(..byte).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |end| end + 1);
+    let column = before[line_start..].chars().count() + 1;
+    format!("{file}:{}:{column}", line_of(text, byte))
+}
+
+/// Line of a byte, from 1.
+pub(super) fn line_of(text: &str, byte: usize) -> usize {
+    let before = text.get(..byte).unwrap_or(text);
+    before.bytes().filter(|&letter| letter == b'\n').count() + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use coapt::scene::{Plan, Scene};
+
+    fn told<T: DeserializeOwned>(text: &str) -> Vec<String> {
+        let faults = parse::<T>("f", text).err().unwrap_or_default();
+        faults
+            .iter()
+            .map(|fault| format!("{}: {}", fault.place, fault.message))
+            .collect()
+    }
+
+    #[test]
+    fn every_unknown_key_is_told_with_its_place() {
+        let text = "schema_version = 1\nname = \"a\"\ncolour = 1\n[load]\npressure_mmgh = 100\n[[leaflets]]\n\
+                    name = \"x\"\n[leaflets.tissue]\nlaw = \"bilinear-springs\"\n  transition_strian = 0.2\n";
+        let told = told::<Scene>(text);
+        assert_eq!(told.len(), 3, "{told:#?}");
+        assert!(told[0].starts_with("f:3:1: unknown key `colour`; there are schema_version"));
+        let has = |words: &str| assert!(told.iter().any(|line| line == words), "{told:#?}");
+        has("f:5:1: unknown key `pressure_mmgh`; did you mean `pressure_mmhg`?");
+        has("f:10:3: unknown key `transition_strian`; did you mean `transition_strain`?");
+    }
+
+    #[test]
+    fn syntax_and_type_faults_have_line_and_column() {
+        for (text, start) in [
+            ("schema_version = 1\nname = 5\n", "f:2:8: invalid type"),
+            (
+                "schema_version = 1\nname = \"a\"\nname = \"b\"",
+                "f:3:1: duplicate key",
+            ),
+            ("schema_version = \n", "f:1:18: "),
+            ("name = \"a\"", "f:1:1: the key `schema_version` is missing"),
+            ("{\"schema_version\": 1, \"name\": \"a\",}", "f:1:35: "),
+            (
+                "{\"schema_version\": 1, \"repiar\": []}",
+                "f:1:30: unknown key `repiar`; did you mean `repair`?",
+            ),
+            (
+                "{\"schema_version\": 9, \"future\": 0}",
+                "f: schema_version: is 9, this version reads 1; install a newer coapt",
+            ),
+            ("future = 0\nschema_version = 9", "f:2:18: schema_version is 9"),
+            (
+                "schema_version = 1\n[[repair]]\nkind = \"rign\"",
+                "f:2:1: unknown value `rign`; did you mean `ring`?",
+            ),
+        ] {
+            let told = told::<Plan>(text);
+            assert!(!told.is_empty() && told[0].starts_with(start), "{text}: {told:?}");
+        }
+    }
+
+    #[test]
+    fn deep_nesting_is_refused_without_overflow() {
+        // 1e5 levels would overflow any stack if they were followed.
+        let deep = "[".repeat(100_000);
+        assert!(!told::<Plan>(&format!("{{\"schema_version\":1,\"name\":{deep}")).is_empty());
+        assert!(!told::<Plan>(&deep).is_empty());
+        assert!(!told::<Plan>(&format!("name = {deep}")).is_empty());
+        assert!(!told::<Plan>(&format!("name = {}", "{a=".repeat(100_000))).is_empty());
+        assert!(!told::<Plan>(&format!("{}b = 1", "a.".repeat(100_000))).is_empty());
+    }
+}

@@ -1,0 +1,172 @@
+//! Scenes and plans: read with the files that they name, written as a folder.
+//!
+//! TOML for hands, JSON for machines; the first letter decides. Every fault is told at once as far as reading can go
+//! on, with `file:line:column` where it is one of the text, and with file and element where it is one of a mesh.
+//!
+//! What comes out is whole: meshes, curves and tips are in the scene, the file names are gone, all coordinates are
+//! LPS. Files must lie below the scene's folder.
+
+mod document;
+mod files;
+mod frame;
+mod geometry;
+mod locate;
+mod nearest;
+mod write;
+
+use std::path::Path;
+
+use coapt::scene::{Fault, Plan, Repair, Scene, Space};
+
+pub use document::read_text;
+pub use locate::{locate, located, sentence};
+pub use nearest::nearest;
+pub use write::write_scene;
+
+use files::Files;
+
+/// Reads a scene and all files that it names; the second part are the warnings.
+///
+/// # Errors
+/// All faults found, errors and warnings, if one of them is an error.
+pub fn read_scene(path: &Path) -> Result<(Scene, Vec<Fault>), Vec<Fault>> {
+    let text = read_text(path).map_err(|fault| vec![fault])?;
+    scene_from_text(path, &text)
+}
+
+/// The same with the text at hand, for callers that keep it to [`locate`] keys; `path` says where files lie.
+///
+/// # Errors
+/// As [`read_scene`].
+pub fn scene_from_text(path: &Path, text: &str) -> Result<(Scene, Vec<Fault>), Vec<Fault>> {
+    let name = path.display().to_string();
+    let mut scene: Scene = document::parse(&name, text)?;
+    let mut files = Files::new(folder_of(path), scene.space);
+    if scene.space == Space::RAS {
+        frame::turn_scene(&mut scene);
+    }
+    fill(&mut scene, &mut files);
+    files.judge_frames();
+    finish(scene, &name, text, files)
+}
+
+/// Reads a plan and the ring curves that it names; the second part are the warnings.
+///
+/// # Errors
+/// All faults found, errors and warnings, if one of them is an error.
+pub fn read_plan(path: &Path) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
+    let text = read_text(path).map_err(|fault| vec![fault])?;
+    plan_from_text(path, &text)
+}
+
+/// The same with the text at hand.
+///
+/// # Errors
+/// As [`read_plan`].
+pub fn plan_from_text(path: &Path, text: &str) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
+    let name = path.display().to_string();
+    let mut plan: Plan = document::parse(&name, text)?;
+    let mut files = Files::new(folder_of(path), Space::LPS);
+    for (number, repair) in plan.repair.iter_mut().enumerate() {
+        let Repair::Ring(ring) = repair;
+        let key = format!("repair[{number}].curve_file");
+        let Some(file) = ring.curve_file.take() else {
+            continue;
+        };
+        if ring.curve_mm.is_some() {
+            files.error(&key, "is given beside `curve_mm`; expected one of the two");
+        } else if let Some(curve) = files.curve(&key, &file) {
+            ring.closed.get_or_insert(curve.closed);
+            ring.curve_mm = Some(curve.points_mm);
+        }
+    }
+    files.judge_frames();
+    finish(plan, &name, text, files)
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."))
+}
+
+/// Reads every file that the scene names.
+fn fill(scene: &mut Scene, files: &mut Files) {
+    for (number, leaflet) in scene.leaflets.iter_mut().enumerate() {
+        geometry::fill_leaflet(number, leaflet, &scene.annulus, files);
+    }
+    for (number, group) in scene.chordae.iter_mut().enumerate() {
+        geometry::fill_chords(number, group, files);
+    }
+    fill_curve(scene, files);
+    for (number, muscle) in scene.papillary.iter_mut().enumerate() {
+        let key = format!("papillary[{number}].tips_file");
+        let Some(file) = muscle.tips_file.take() else {
+            continue;
+        };
+        if !muscle.tips_mm.is_empty() {
+            files.error(&key, "is given beside `tips_mm`; expected one of the two");
+        } else if let Some(points) = files.points(&key, &file) {
+            muscle.tips_mm = points.points_mm;
+        }
+    }
+    let meshes = || scene.leaflets.iter().filter_map(|leaflet| leaflet.mesh.as_ref());
+    let any_marks = meshes().any(|mesh| mesh.annulus_points.is_some());
+    let any_motion = meshes().any(|mesh| mesh.annulus_displacement_mm.is_some());
+    // Taken over into the meshes; of no use any more.
+    let marker = (
+        scene.annulus.marker_array.take(),
+        "annulus.marker_array",
+        any_marks,
+    );
+    let motion = (
+        scene.annulus.displacement_array.take(),
+        "annulus.displacement_array",
+        any_motion,
+    );
+    for (name, key, found) in [marker, motion] {
+        // A file that cannot be read is told already.
+        if let Some(name) = name
+            && !found
+            && !files.any_error()
+        {
+            files.error(
+                key,
+                format!("is `{name}`, a point array that no leaflet file has"),
+            );
+        }
+    }
+}
+
+fn fill_curve(scene: &mut Scene, files: &mut Files) {
+    let key = "annulus.curve_file";
+    let Some(file) = scene.annulus.curve_file.take() else {
+        return;
+    };
+    if scene.annulus.curve_mm.is_some() {
+        return files.error(key, "is given beside `curve_mm`; expected one of the two");
+    }
+    let Some(curve) = files.curve(key, &file) else {
+        return;
+    };
+    if !curve.closed {
+        files.warning(
+            key,
+            format!("is `{file}`, an open curve; it is closed from its last point to its first"),
+        );
+    }
+    scene.annulus.curve_mm = Some(curve.points_mm);
+}
+
+/// The value with its warnings, or all faults, those of the scene with their lines.
+fn finish<T>(value: T, name: &str, text: &str, files: Files) -> Result<(T, Vec<Fault>), Vec<Fault>> {
+    let any_error = files.any_error();
+    let mut faults = files.in_files;
+    let in_scene = files.in_scene.iter().map(|fault| located(name, text, fault));
+    faults.extend(in_scene);
+    if any_error {
+        Err(faults)
+    } else {
+        Ok((value, faults))
+    }
+}

@@ -1,0 +1,55 @@
+//! "Did you mean": the known word nearest to a wrong one.
+
+/// The known word with the fewest edits to `word`, if they are few enough to be a slip: a third of its letters.
+pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let wrong = word.to_lowercase();
+    let limit = (wrong.chars().count() / 3).max(1);
+    let measured = known
+        .into_iter()
+        .map(|candidate| (edits(&wrong, &candidate.to_lowercase()), candidate));
+    let best = measured.min_by_key(|&(edits, _)| edits)?;
+    (best.0 <= limit).then_some(best.1)
+}
+
+/// Words longer than this are not compared: the cost grows with the product of the lengths.
+const LONGEST: usize = 200;
+
+/// Letters to insert, remove or replace to make one word of the other (Levenshtein 1966).
+fn edits(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    if a.len().max(b.len()) > LONGEST {
+        return usize::MAX;
+    }
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.iter().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_are_mended_and_other_words_are_not() {
+        let known = ["thickness_mm", "tissue", "name", "mesh_file"];
+        for (word, expected) in [
+            ("thicknes_mm", Some("thickness_mm")),
+            ("Tissue", Some("tissue")),
+            ("mesh-file", Some("mesh_file")),
+            ("nmae", None),
+            ("colour", None),
+            ("", None),
+        ] {
+            assert_eq!(nearest(word, known), expected, "{word}");
+        }
+        assert_eq!(edits("kitten", "sitting"), 3);
+    }
+}

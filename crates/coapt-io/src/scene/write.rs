@@ -1,0 +1,121 @@
+//! A scene as a folder: `scene.toml`, and a `.vtp` per leaflet and per chord group.
+
+use std::path::Path;
+
+use coapt::scene::{Fault, LineMesh, Scene, Space, SurfaceMesh};
+
+use super::frame::turn_scene;
+use super::geometry::{AREA_ARRAY, REST_LENGTH_ARRAY};
+use crate::atomic::write_text_atomically;
+use crate::mesh::{Array, PolyData, write_vtp};
+
+/// Point array that is 1 on the annulus.
+const MARKER_ARRAY: &str = "annulus";
+/// Point array with the prescribed motion of the annulus [mm].
+const DISPLACEMENT_ARRAY: &str = "annulus_displacement_mm";
+
+/// Writes a scene that holds its meshes, in LPS; reading it back gives the same model to the last bit. The folder is
+/// made if need be, and files of the same names are replaced. The same scene gives the same bytes.
+///
+/// # Errors
+/// A mesh that no file can hold (a coordinate that is not finite, a point that does not exist), or what the file
+/// system says.
+pub fn write_scene(folder: &Path, scene: &Scene) -> Result<(), Fault> {
+    let told =
+        |path: &Path, error: std::io::Error| Fault::error(path.display().to_string(), error.to_string());
+    std::fs::create_dir_all(folder).map_err(|error| told(folder, error))?;
+    let mut scene = scene.clone();
+    if scene.space == Space::RAS {
+        turn_scene(&mut scene);
+    }
+    let mut taken = Vec::new();
+    for leaflet in &mut scene.leaflets {
+        let Some(mesh) = leaflet.mesh.take() else { continue };
+        let file = file_name("leaflet", &leaflet.name, &mut taken);
+        write_vtp(&folder.join(&file), &leaflet_data(&mesh))?;
+        if mesh.annulus_points.is_some() {
+            scene.annulus.marker_array = Some(MARKER_ARRAY.into());
+        }
+        if mesh.annulus_displacement_mm.is_some() {
+            scene.annulus.displacement_array = Some(DISPLACEMENT_ARRAY.into());
+        }
+        leaflet.mesh_file = Some(file);
+    }
+    for group in &mut scene.chordae {
+        let Some(mesh) = group.mesh.take() else { continue };
+        let file = file_name("chords", &group.name, &mut taken);
+        write_vtp(&folder.join(&file), &chord_data(&mesh))?;
+        group.mesh_file = Some(file);
+    }
+    let path = folder.join("scene.toml");
+    let text = toml::to_string(&scene)
+        .map_err(|error| Fault::error(path.display().to_string(), error.to_string()))?;
+    write_text_atomically(&path, text.as_bytes()).map_err(|error| told(&path, error))
+}
+
+/// A name for a file that no other part has; letters that some file system minds become underscores.
+fn file_name(kind: &str, name: &str, taken: &mut Vec<String>) -> String {
+    let letter = |c: char| {
+        if c.is_ascii_alphanumeric() || c == '-' {
+            c
+        } else {
+            '_'
+        }
+    };
+    let word: String = name.chars().take(60).map(letter).collect();
+    let plain = format!("{kind}_{word}.vtp");
+    let counted = (2_u32..).map(|number| format!("{kind}_{word}_{number}.vtp"));
+    let mut names = std::iter::once(plain).chain(counted);
+    // Some file systems tell no case apart.
+    let free = names
+        .find(|name| !taken.contains(&name.to_lowercase()))
+        .unwrap_or_default();
+    taken.push(free.to_lowercase());
+    free
+}
+
+fn leaflet_data(mesh: &SurfaceMesh) -> PolyData {
+    let mut point_arrays = Vec::new();
+    if let Some(points) = &mesh.annulus_points {
+        let mut values = vec![0.0; mesh.points_mm.len()];
+        for &point in points {
+            if let Some(value) = values.get_mut(point as usize) {
+                *value = 1.0;
+            }
+        }
+        point_arrays.push(array(MARKER_ARRAY, 1, values));
+    }
+    if let Some(motion) = &mesh.annulus_displacement_mm {
+        point_arrays.push(array(DISPLACEMENT_ARRAY, 3, motion.concat()));
+    }
+    PolyData {
+        points: mesh.points_mm.clone(),
+        triangles: mesh.faces.clone(),
+        point_arrays,
+        ..PolyData::default()
+    }
+}
+
+fn chord_data(mesh: &LineMesh) -> PolyData {
+    let values = [
+        (REST_LENGTH_ARRAY, &mesh.rest_length_mm),
+        (AREA_ARRAY, &mesh.area_mm2),
+    ];
+    let given = values
+        .into_iter()
+        .filter_map(|(name, values)| Some(array(name, 1, values.clone()?)));
+    PolyData {
+        points: mesh.points_mm.clone(),
+        lines: mesh.segments.clone(),
+        cell_arrays: given.collect(),
+        ..PolyData::default()
+    }
+}
+
+fn array(name: &str, components: usize, values: Vec<f64>) -> Array {
+    Array {
+        name: name.into(),
+        components,
+        values,
+    }
+}

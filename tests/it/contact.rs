@@ -1,0 +1,208 @@
+//! Contact: the broad phase misses nothing, steps tunnel through nothing, the crossing test is right where
+//! rounding would decide.
+
+use coapt::Vec3;
+use coapt::contact::broad::SweepAndPrune;
+use coapt::contact::crossing::crossings;
+use coapt::contact::nearest::{edge_edge, point_triangle};
+use coapt::contact::pairs::PairList;
+use coapt::contact::step_bound;
+use coapt::contact::surface::Surface;
+use coapt_tests::Random;
+use std::collections::BTreeSet;
+
+/// Triangles of edge length about `size` scattered in a cube of side 2, sharing vertices in places.
+fn scattered_triangles(count: u32, size: f64, random: &mut Random) -> (Vec<[u32; 3]>, Vec<Vec3>) {
+    let mut positions = Vec::new();
+    for _ in 0..count {
+        let centre = random.vector();
+        positions.extend((0..3).map(|_| centre + random.vector() * size));
+    }
+    let mut faces: Vec<[u32; 3]> = (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    // A tenth of the faces takes over a vertex of the one before.
+    for k in (10..count as usize).step_by(10) {
+        faces[k][0] = faces[k - 1][2];
+    }
+    (faces, positions)
+}
+
+fn boxes_overlap(one: [u32; 3], other: [u32; 3], positions: &[Vec3], reach: f64) -> bool {
+    (0..3).all(|axis| {
+        let span = |face: [u32; 3]| {
+            let values = face.map(|vertex| positions[vertex as usize][axis]);
+            let low = values.into_iter().fold(f64::INFINITY, f64::min);
+            (low, values.into_iter().fold(f64::NEG_INFINITY, f64::max))
+        };
+        let ((a, b), (c, d)) = (span(one), span(other));
+        a - 0.5 * reach <= d + 0.5 * reach && c - 0.5 * reach <= b + 0.5 * reach
+    })
+}
+
+#[test]
+fn sweep_and_prune_finds_what_brute_force_finds_on_a_million_pairs_and_more() {
+    let mut random = Random(11);
+    let mut compared = 0_u64;
+    for (count, size) in [(600, 0.02), (600, 0.1), (400, 0.6)] {
+        let (faces, mut positions) = scattered_triangles(count, size, &mut random);
+        // One sweep object through a motion: its sorted order must survive being reused.
+        let mut sweep = SweepAndPrune::default();
+        for step in 0..4 {
+            let reach = 0.05 * f64::from(step);
+            let mut found = BTreeSet::new();
+            sweep.overlapping_faces(&faces, &positions, reach, |f, g| {
+                assert!(found.insert((f.min(g), f.max(g))), "each pair once");
+            });
+            for f in 0..count {
+                for g in f + 1..count {
+                    let expected = boxes_overlap(faces[f as usize], faces[g as usize], &positions, reach);
+                    assert_eq!(
+                        found.contains(&(f, g)),
+                        expected,
+                        "faces {f} and {g}, reach {reach}"
+                    );
+                    compared += 1;
+                }
+            }
+            positions.iter_mut().for_each(|x| *x += random.vector() * 0.1);
+        }
+    }
+    assert!(compared > 1_000_000, "{compared}");
+}
+
+#[test]
+fn the_pair_list_holds_every_pair_in_reach() {
+    let mut random = Random(12);
+    let (faces, positions) = scattered_triangles(150, 0.15, &mut random);
+    let surface = Surface::new(&faces, &positions);
+    // Far apart at rest, so that every pair has the full thickness.
+    let rest: Vec<Vec3> = (0..positions.len())
+        .map(|k| Vec3::new(100.0 * k as f64, 0.0, 0.0))
+        .collect();
+    let mut list = PairList::default();
+    let (thickness, budget) = (0.1, 0.05);
+    list.rebuild(&surface, &rest, &positions, thickness, budget);
+    // Motions within the budget: whatever then is within the thickness must be found.
+    let moved: Vec<Vec3> = positions
+        .iter()
+        .map(|x| x + random.vector() * (budget / 3.0_f64.sqrt()))
+        .collect();
+    let listed: BTreeSet<[u32; 4]> = list
+        .touching(&positions, &moved)
+        .iter()
+        .map(|pair| pair.vertices)
+        .collect();
+    let mut near = 0;
+    let used: BTreeSet<u32> = faces.iter().flatten().copied().collect();
+    for &[a, b, c] in &faces {
+        for &vertex in used.iter().filter(|vertex| ![a, b, c].contains(vertex)) {
+            let at = |v: u32| &moved[v as usize];
+            if point_triangle(at(vertex), at(a), at(b), at(c))
+                .separation_mm
+                .norm()
+                < thickness
+            {
+                assert!(listed.contains(&[vertex, a, b, c]));
+                near += 1;
+            }
+        }
+    }
+    for (index, &[a, b]) in surface.edges.iter().enumerate() {
+        for &[c, d] in &surface.edges[index + 1..] {
+            let apart = a != c && a != d && b != c && b != d;
+            let at = |v: u32| &moved[v as usize];
+            if apart && edge_edge(at(a), at(b), at(c), at(d)).separation_mm.norm() < thickness {
+                assert!(listed.contains(&[a, b, c, d]) || listed.contains(&[c, d, a, b]));
+                near += 1;
+            }
+        }
+    }
+    assert!(near > 500, "the test must have something to find: {near}");
+}
+
+#[test]
+fn bounded_steps_never_tunnel() {
+    // Two wavy sheets are thrown at and through each other, with steps of many gaps, again and again.
+    for seed in 0..4 {
+        let mut random = Random(seed);
+        let (faces, mut positions) = two_sheets(6, 0.3, &mut random);
+        let surface = Surface::new(&faces, &positions);
+        let mut list = PairList::default();
+        for _ in 0..20 {
+            let longest = 3.0_f64.sqrt() * 2.0;
+            let mut step: Vec<Vec3> = positions
+                .iter()
+                .map(|x| Vec3::new(0.0, 0.0, if x.z > 0.0 { -1.0 } else { 1.0 }) + random.vector() * 0.5)
+                .collect();
+            list.rebuild(&surface, &positions, &positions, 0.1, longest);
+            step_bound::shorten(&list.meeting(&positions, &step), &positions, &mut step);
+            // Wherever each vertex stops on its way, nothing crosses.
+            let partway: Vec<Vec3> = positions.iter().zip(&step).map(|(x, s)| x + s * 0.5).collect();
+            assert_eq!(crossings(&surface, &partway), []);
+            positions.iter_mut().zip(&step).for_each(|(x, s)| *x += s);
+            assert_eq!(crossings(&surface, &positions), []);
+        }
+    }
+}
+
+/// Two sheets of `cells`² squares over [-1, 1]², `gap` apart, slightly rumpled.
+fn two_sheets(cells: u32, gap: f64, random: &mut Random) -> (Vec<[u32; 3]>, Vec<Vec3>) {
+    let (mut faces, mut positions) = (Vec::new(), Vec::new());
+    for height in [-0.5 * gap, 0.5 * gap] {
+        let first = positions.len() as u32;
+        let row = cells + 1;
+        for j in 0..row {
+            for i in 0..row {
+                let place = |k: u32| 2.0 * f64::from(k) / f64::from(cells) - 1.0;
+                positions.push(Vec3::new(place(i), place(j), height) + random.vector() * 0.03);
+            }
+        }
+        for j in 0..cells {
+            for i in 0..cells {
+                let corner = first + j * row + i;
+                faces.push([corner, corner + 1, corner + row]);
+                faces.push([corner + 1, corner + row + 1, corner + row]);
+            }
+        }
+    }
+    (faces, positions)
+}
+
+#[test]
+fn crossing_test_sees_a_needle_through_a_sheet_and_decides_exactly() {
+    let v = Vec3::new;
+    let faces = [[0, 1, 2], [3, 4, 5]];
+    let sheet = [v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(0.0, 1.0, 0.0)];
+    let with_needle = |low: f64, high: f64, x: f64| {
+        let mut positions = sheet.to_vec();
+        positions.extend([v(x, 0.2, low), v(x, 0.2, high), v(x + 1e-9, 0.2, 3.0)]);
+        positions
+    };
+    let count = |positions: &[Vec3]| crossings(&Surface::new(&faces, positions), positions).len();
+    assert!(count(&with_needle(-1.0, 1.0, 0.2)) > 0);
+    assert_eq!(count(&with_needle(0.5, 1.0, 0.2)), 0);
+    // The tip just above, just in and just below the sheet.
+    assert_eq!(count(&with_needle(f64::MIN_POSITIVE, 1.0, 0.2)), 0);
+    assert!(count(&with_needle(-f64::MIN_POSITIVE, 1.0, 0.2)) > 0);
+    assert!(count(&with_needle(0.0, 1.0, 0.2)) > 0, "a touch counts");
+    // Beside the sheet.
+    assert_eq!(count(&with_needle(-1.0, 1.0, 1.2)), 0);
+}
+
+#[test]
+fn nearest_points_of_simple_configurations() {
+    let v = Vec3::new;
+    let (a, b, c) = (v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(0.0, 1.0, 0.0));
+    let over_face = point_triangle(&v(0.25, 0.25, 2.0), &a, &b, &c);
+    assert!((over_face.separation_mm - v(0.0, 0.0, 2.0)).norm() < 1e-15);
+    assert_eq!(over_face.parameters.count, 2);
+    let off_corner = point_triangle(&v(-3.0, -4.0, 0.0), &a, &b, &c);
+    assert!((off_corner.separation_mm.norm() - 5.0).abs() < 1e-15);
+    let crossing = edge_edge(
+        &v(-1.0, 0.0, 0.0),
+        &v(1.0, 0.0, 0.0),
+        &v(0.0, -1.0, 0.5),
+        &v(0.0, 1.0, 0.5),
+    );
+    assert!((crossing.separation_mm.norm() - 0.5).abs() < 1e-15);
+    assert_eq!(crossing.weights, [0.5, 0.5, -0.5, -0.5]);
+}
