@@ -18,7 +18,8 @@ pub(super) enum Side {
 /// between errs by less than 1e-5 mm along the curve.
 const STEPS: usize = 1024;
 
-/// Annulus curve. Arc length runs from the anterolateral commissure counter-clockwise seen from the atrium.
+/// Annulus curve. Arc length runs from the anterolateral commissure clockwise seen from the atrium, first along the
+/// anterior leaflet.
 pub(super) struct AnnulusCurve {
     dimensions: AnnulusDimensions,
     /// Ellipse angle [rad] at each table entry.
@@ -122,7 +123,7 @@ pub(super) fn half_depths_mm(dimensions: &AnnulusDimensions) -> [f64; 2] {
     [anterior, dimensions.anteroposterior_mm - anterior]
 }
 
-/// Point at an ellipse angle: 0 at +x, 90° mid-anterior.
+/// Point at an ellipse angle: 0 at +x, 90° mid-anterior, that is at -y.
 fn at_angle(dimensions: &AnnulusDimensions, angle: f64) -> Vec3 {
     let (sine, cosine) = angle.sin_cos();
     let [anterior, posterior] = half_depths_mm(dimensions);
@@ -133,7 +134,7 @@ fn at_angle(dimensions: &AnnulusDimensions, angle: f64) -> Vec3 {
     };
     Vec3::new(
         0.5 * dimensions.transverse_mm * cosine,
-        depth * sine,
+        -depth * sine,
         height * sine * sine,
     )
 }
@@ -157,7 +158,7 @@ fn speed(dimensions: &AnnulusDimensions, angle: f64) -> f64 {
     };
     Vec3::new(
         -0.5 * dimensions.transverse_mm * sine,
-        depth * cosine,
+        -depth * cosine,
         2.0 * height * sine * cosine,
     )
     .norm()
@@ -169,11 +170,11 @@ fn speed(dimensions: &AnnulusDimensions, angle: f64) -> f64 {
 fn landmark_angle(dimensions: &AnnulusDimensions, half_angle_deg: f64) -> f64 {
     let (sine, cosine) = half_angle_deg.to_radians().sin_cos();
     let [anterior, posterior] = half_depths_mm(dimensions);
-    let centre_y = 0.5 * (anterior - posterior);
+    let centre_y = 0.5 * (posterior - anterior);
     // Positive on the far side of the ray; it falls from mid-posterior to mid-anterior.
     let beyond = |angle: f64| {
         let point = at_angle(dimensions, angle);
-        point.x * cosine - (point.y - centre_y) * sine
+        point.x * cosine + (point.y - centre_y) * sine
     };
     let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
     for _ in 0..60 {
@@ -235,8 +236,8 @@ mod tests {
                 "{cc} {}",
                 curve.length_mm
             );
-            // Positive: counter-clockwise seen from the atrium.
-            assert!((0.5 * doubled - area).abs() < 0.6, "{cc} {doubled}");
+            // Negative: clockwise seen from the atrium.
+            assert!((0.5 * doubled + area).abs() < 0.6, "{cc} {doubled}");
             assert!((non_planarity_deg(&dimensions) - angle).abs() < 0.6);
         }
     }
@@ -263,11 +264,11 @@ mod tests {
         let [left, right] = curve.trigones();
         assert!((16.0..20.0).contains(&(left - right).norm()));
         let commissure = curve.at(Side::Anterior, 0.0);
-        let seen = commissure.x.atan2(commissure.y + 2.8).to_degrees();
+        let seen = commissure.x.atan2(2.8 - commissure.y).to_degrees();
         assert!((seen - 60.5).abs() < 1e-9, "{seen}");
         let middle = curve.at(Side::Anterior, 0.5);
-        assert!(middle.x.abs() < 1e-9 && (middle.y - 11.2).abs() < 1e-9);
+        assert!(middle.x.abs() < 1e-9 && (middle.y + 11.2).abs() < 1e-9);
         let back = curve.at(Side::Posterior, 0.5);
-        assert!(back.x.abs() < 1e-9 && (back.y + 16.8).abs() < 1e-9);
+        assert!(back.x.abs() < 1e-9 && (back.y - 16.8).abs() < 1e-9);
     }
 }

@@ -49,9 +49,9 @@ pub(super) fn heads(papillary: &PapillaryPositions) -> Heads {
     let spread = papillary.head_spread_mm;
     // The outer heads stand a little lower than the middle one.
     let offsets = [
-        [0.0, spread, -0.25 * spread],
-        [0.0; 3],
         [0.0, -spread, -0.25 * spread],
+        [0.0; 3],
+        [0.0, spread, -0.25 * spread],
     ]
     .map(Vec3::from);
     let tips = [papillary.anterolateral_mm, papillary.posteromedial_mm].map(Vec3::from);

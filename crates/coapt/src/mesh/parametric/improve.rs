@@ -179,7 +179,7 @@ fn signed_area(sheet: &Sheet, turn_mm: f64, [a, b, c]: [u32; 3]) -> f64 {
         )
     };
     let ((bx, by), (cx, cy)) = (from_a(b), from_a(c));
-    bx * cy - by * cx
+    by * cx - bx * cy
 }
 
 /// An arc length difference within half a turn.

@@ -7,9 +7,9 @@
 //!
 //! The annulus is a saddle-shaped D, the leaflets hang from it as one funnel, and the chordae are as long as
 //! a target closed shape needs them (the rule of paper 003, which takes them from the image of the closed
-//! valve). Axes: +x to the anterolateral commissure, +y anterior, +z to the atrium; the frame is the model's
-//! own, not a patient's, and it shows the mirror image of a heart in which the anterolateral commissure lies
-//! to the left of the aorta when seen from the atrium. Mechanics and measures do not depend on it.
+//! valve). Axes are LPS, as in medical images, of a heart that stands upright: +x to the anterolateral commissure
+//! (the patient's left), +y posterior, +z to the atrium (superior). Seen from the atrium the annulus runs clockwise
+//! from the anterolateral commissure over the anterior leaflet to the posteromedial one, as in a human heart.
 
 mod annulus;
 mod check;

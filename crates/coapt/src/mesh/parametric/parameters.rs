@@ -1,8 +1,8 @@
 //! What a parametric valve is made from. Lengths in mm, angles in degrees; every default says where it is
 //! from.
 //!
-//! Axes: origin in the plane of the widest transverse points, +x to the anterolateral commissure, +y
-//! anterior, +z to the atrium. Tags used below: "paper 000 ... 004" are the papers this library builds on;
+//! Axes, LPS: origin in the plane of the widest transverse points, +x to the anterolateral commissure (left),
+//! +y posterior, +z to the atrium (superior). Tags used below: "paper 000 ... 004" are the papers this library builds on;
 //! the others are cited by author; "our choice" is a modelling choice.
 
 use serde::{Deserialize, Serialize};
@@ -16,8 +16,8 @@ use crate::scene::Tissue;
 pub struct ValveParameters {
     /// What the case is called in reports.
     pub name: String,
-    /// About so many triangles, both leaflets together; the presets' meshes have this many within 10 %. Our
-    /// choice: 2600 is four times the 639 and 674 faces of paper 003.
+    /// About so many triangles, both leaflets together; the presets' meshes have this many within 10 %. Paper
+    /// 003 has 639 and 674, aiming at 600 to 700.
     pub face_count_target: u32,
     /// Peak systolic transvalvular pressure [mmHg]. 100 is our choice within 70-85 (paper 003) to 120.
     pub pressure_mmhg: f64,
@@ -41,7 +41,7 @@ impl Default for ValveParameters {
     fn default() -> Self {
         Self {
             name: "healthy".into(),
-            face_count_target: 2600,
+            face_count_target: 650,
             pressure_mmhg: 100.0,
             annulus: AnnulusDimensions::default(),
             leaflets: LeafletDimensions::default(),
@@ -127,11 +127,11 @@ pub struct LeafletDimensions {
 impl Default for LeafletDimensions {
     fn default() -> Self {
         Self {
-            anterior_heights_mm: [16.0, 23.0, 16.0],
-            posterior_heights_mm: [11.0, 13.5, 10.5],
-            commissure_height_mm: 6.0,
-            height_scale: 1.25,
-            indentation_depth: 0.15,
+            anterior_heights_mm: [17.5, 20.6, 17.5],
+            posterior_heights_mm: [11.0, 12.9, 10.4],
+            commissure_height_mm: 7.5,
+            height_scale: 1.2,
+            indentation_depth: 0.08,
             indentation_width_mm: 3.0,
             opening_angle_deg: 20.0,
             annular_turn_deg: 12.0,
@@ -162,8 +162,8 @@ pub struct PapillaryPositions {
 impl Default for PapillaryPositions {
     fn default() -> Self {
         Self {
-            anterolateral_mm: [12.0, -2.0, -20.0],
-            posteromedial_mm: [-12.0, -3.0, -21.0],
+            anterolateral_mm: [12.0, 4.0, -20.0],
+            posteromedial_mm: [-12.0, 5.0, -21.0],
             anterolateral_shift_mm: [0.0; 3],
             posteromedial_shift_mm: [0.0; 3],
             head_spread_mm: 2.0,
@@ -194,10 +194,10 @@ impl Default for ClosedShapeTarget {
     fn default() -> Self {
         Self {
             closure_line_fraction: 0.64,
-            tenting_height_mm: 4.5,
-            coaptation_length_mm: 6.0,
-            commissural_coaptation_length_mm: 2.5,
-            belly_fraction: 0.08,
+            tenting_height_mm: 7.0,
+            coaptation_length_mm: 5.5,
+            commissural_coaptation_length_mm: 4.0,
+            belly_fraction: -0.12,
         }
     }
 }

@@ -83,8 +83,8 @@ fn dilate(valve: &mut ValveParameters) {
     valve.leaflets.height_scale *= 0.9;
     // 5 mm apical, 4 mm to the side and back: within the 3-8 mm usual for symmetric tethering.
     let sideways = 4.0 / f64::sqrt(2.0);
-    valve.papillary.anterolateral_shift_mm = [sideways, -sideways, -5.0];
-    valve.papillary.posteromedial_shift_mm = [-sideways, -sideways, -5.0];
+    valve.papillary.anterolateral_shift_mm = [sideways, sideways, -5.0];
+    valve.papillary.posteromedial_shift_mm = [-sideways, sideways, -5.0];
 }
 
 /// The six marginal chordae that reach two fifths of the posterior margin, and the two intermediate ones

@@ -208,8 +208,8 @@ fn zip(sheet: &mut Sheet, left: std::ops::Range<usize>, right: std::ops::Range<u
         let down_left = j + 1 == right.end
             || (i + 1 < left.end && (points[i + 1] - points[j]).norm() < (points[i] - points[j + 1]).norm());
         let next = if down_left { i + 1 } else { j + 1 };
-        // Counter-clockwise in (arc, depth), that is with the normal to the atrium.
-        sheet.faces.push([i as u32, j as u32, next as u32]);
+        // Clockwise in (arc, depth), that is with the normal to the atrium.
+        sheet.faces.push([j as u32, i as u32, next as u32]);
         sheet.sides.push(side);
         if down_left { i += 1 } else { j += 1 }
     }

@@ -46,8 +46,8 @@ impl Surface {
             posterior: [commissure, p3, p2, p1, commissure],
             indentation_depth: leaflets.indentation_depth,
             indentation_width: half_to_deviation * leaflets.indentation_width_mm / posterior_length,
-            focus_y_mm: half_depths_mm(&parameters.annulus)[0]
-                - fraction * parameters.annulus.anteroposterior_mm,
+            focus_y_mm: fraction * parameters.annulus.anteroposterior_mm
+                - half_depths_mm(&parameters.annulus)[0],
             annular_angle: (leaflets.opening_angle_deg + leaflets.annular_turn_deg).to_radians(),
             turn: leaflets.annular_turn_deg.to_radians(),
             annulus,
