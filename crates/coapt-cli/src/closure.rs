@@ -120,10 +120,15 @@ impl Planned {
     /// A fault of one repair (`ring.size_mm`), with the line of the plan that it speaks of.
     fn located(&self, number: usize, fault: &Fault) -> Fault {
         let Some((path, text)) = &self.file else {
+            // There is but one ring, which the option names already.
+            let message = match fault.place.strip_prefix("ring") {
+                Some("") => fault.message.clone(),
+                _ => sentence(fault),
+            };
             return Fault {
-                severity: fault.severity,
                 place: "--ring".into(),
-                message: sentence(fault),
+                message,
+                ..fault.clone()
             };
         };
         let key = fault.place.strip_prefix("ring").unwrap_or("");

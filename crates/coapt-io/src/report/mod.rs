@@ -228,3 +228,6 @@ fn repair_report(report: &repair::Report) -> RepairReport {
         tilt_deg: ring.tilt_degrees,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -76,7 +76,7 @@ fn certificate(out: &mut String, name: &str, solve: &Solve) {
     };
     wrapped(out, name, &verdict);
     let work = format!(
-        "residual {:.1e}, {} iterations, {:.0} ms; mesh error about {:.2} mm; contact {:.2} mm deep at most",
+        "residual {:.1e}; {} iterations in {:.0} ms; mesh error {:.2} mm; penetration {:.2} mm",
         solve.residual, solve.iterations, solve.wall_ms, solve.discretisation_mm, solve.max_penetration_mm
     );
     wrapped(out, &" ".repeat(name.len()), &work);
@@ -90,9 +90,7 @@ fn verdict(solve: &Solve) -> Option<String> {
     let mut reasons = Vec::new();
     match solve.status {
         Status::Converged => {}
-        Status::IterationLimit => {
-            reasons.push("the iteration limit came before the forces balanced".to_owned())
-        }
+        Status::IterationLimit => reasons.push("the iteration limit came first".to_owned()),
         Status::Stalled => reasons.push("the solver made no progress any more".to_owned()),
         Status::TangledStart => reasons.push("surfaces cross in the open valve already".to_owned()),
     }
@@ -108,18 +106,20 @@ fn verdict(solve: &Solve) -> Option<String> {
 fn table(out: &mut String, report: &Report) {
     let before = groups(&report.before);
     let after = report.after.as_ref().map(groups);
-    if after.is_some() {
-        let _ = writeln!(
-            out,
-            "\n{:NAME$} {:UNIT$}{:>VALUE$}{:>VALUE$}{:>VALUE$}",
-            "", "", "before", "after", "change"
-        );
-    }
+    let mut heads = after.as_ref().map(|_| ["before", "after", "change"]);
     for (number, group) in before.iter().enumerate() {
         if group.rows.is_empty() {
             continue;
         }
-        let _ = writeln!(out, "\n{}", group.title);
+        let title = group.title;
+        let _ = match heads.take() {
+            Some([a, b, c]) => writeln!(
+                out,
+                "\n{title:NAME$} {:UNIT$}{a:>VALUE$}{b:>VALUE$}{c:>VALUE$}",
+                ""
+            ),
+            None => writeln!(out, "\n{title}"),
+        };
         let later = after.as_ref().and_then(|groups| groups.get(number));
         for (number, row) in group.rows.iter().enumerate() {
             let later = later.and_then(|group| group.rows.get(number));
@@ -240,7 +240,7 @@ fn annulus(m: &Measures) -> Vec<Row> {
         row("area, projected", "mm²", 0, a.area_2d_mm2),
         row("area, in space", "mm²", 0, a.area_3d_mm2),
         row("height", "mm", 1, a.height_mm),
-        row("height to commissural width", "%", 1, 100.0 * a.ahcwr),
+        row("height / commissural width (AHCWR)", "%", 1, 100.0 * a.ahcwr),
         row("non-planarity angle", "°", 0, a.nonplanarity_angle_deg),
     ]
 }
@@ -353,4 +353,50 @@ fn wrapped(out: &mut String, start: &str, text: &str) {
         column += length;
     }
     out.push('\n');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{closure_of, spoil};
+    use super::*;
+
+    #[test]
+    fn lines_are_aligned_and_not_wider_than_a_screen() {
+        let mut report = Report::new(&closure_of("physio-like:28"));
+        report.warnings = vec!["word ".repeat(60), "x".repeat(30)];
+        let text = text(&report);
+        let width = text.lines().map(|line| line.chars().count()).max();
+        assert!(width <= Some(WIDTH), "{text}");
+        let ends = |line: &str| line.chars().count() == NAME + 1 + UNIT + 3 * VALUE;
+        let rows: Vec<&str> = text
+            .lines()
+            .filter(|line| line.starts_with("  ") && ends(line))
+            .collect();
+        // Every row of every group, in three columns that end at the same place.
+        let expected: usize = groups(&report.before).iter().map(|group| group.rows.len()).sum();
+        assert_eq!(rows.len(), expected, "{text}");
+        assert!(text.lines().any(|line| ends(line) && line.ends_with("change")));
+        assert!(text.ends_with("research use, not a medical device\n"));
+        assert!(text.contains("warning: word word"));
+    }
+
+    #[test]
+    fn what_is_not_certified_says_why() {
+        let mut report = Report::new(&closure_of("physio-like:28"));
+        assert!(!text(&report).contains("NOT CERTIFIED"), "{}", text(&report));
+        spoil(&mut report.before.solve);
+        let text = text(&report).split_whitespace().collect::<Vec<_>>().join(" ");
+        for reason in ["iteration limit", "not stable", "cross at 3 edges"] {
+            assert!(text.contains(reason), "{text}");
+        }
+    }
+
+    #[test]
+    fn changes_have_signs_and_zero_has_none() {
+        let line = |before, after| row_line(&row("a", "mm", 1, before), Some(&row("a", "mm", 1, after)));
+        assert!(line(1.0, 2.0).ends_with(" 2.0       +1.0"));
+        assert!(line(2.0, 1.0).ends_with(" 1.0       -1.0"));
+        assert!(line(1.0, 0.99).ends_with(" 1.0        0.0"));
+        assert_eq!(number(-0.01, 1), "0.0");
+    }
 }

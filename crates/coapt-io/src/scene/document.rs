@@ -124,29 +124,33 @@ fn parse_toml<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Faul
             format!("schema_version {message}"),
         )]);
     }
-    let mut faults = Vec::new();
+    deserialize(table).map_err(|mut found| {
+        found.sort_by_key(|(byte, _)| *byte);
+        found
+            .into_iter()
+            .map(|(byte, message)| Fault::error(place(file, text, byte), message))
+            .collect()
+    })
+}
+
+/// The value, or what is wrong and at which byte. An unknown key is told and taken out, so that the next one is
+/// found as well.
+fn deserialize<T: DeserializeOwned>(mut table: Spanned<DeTable<'_>>) -> Result<T, Vec<(usize, String)>> {
+    let mut found = Vec::new();
     loop {
         let error = match T::deserialize(toml::Deserializer::from(table.clone())) {
-            Ok(value) if faults.is_empty() => return Ok(value),
-            Ok(_) => return Err(faults),
+            Ok(value) if found.is_empty() => return Ok(value),
+            Ok(_) => return Err(found),
             Err(error) => error,
         };
-        // An unknown key is told and taken out, so that the next one is found as well.
         let (message, unknown) = plain(error.message());
-        let span = error.span();
-        let outer = table.span();
-        let removed = unknown.and_then(|key| {
-            take_out(
-                table.get_mut(),
-                &outer,
-                &key,
-                span.clone().unwrap_or(outer.clone()),
-            )
-        });
-        let go_on = removed.is_some() && faults.len() + 1 < FAULT_LIMIT;
-        faults.push(Fault::error(at(removed.or(span)), message));
+        let whole = table.span();
+        let span = error.span().unwrap_or(whole.clone());
+        let removed = unknown.and_then(|key| take_out(table.get_mut(), &whole, &key, span.clone()));
+        let go_on = removed.is_some() && found.len() + 1 < FAULT_LIMIT;
+        found.push((removed.unwrap_or(span).start, message));
         if !go_on {
-            return Err(faults);
+            return Err(found);
         }
     }
 }
@@ -271,7 +275,7 @@ mod tests {
             ("future = 0\nschema_version = 9", "f:2:18: schema_version is 9"),
             (
                 "schema_version = 1\n[[repair]]\nkind = \"rign\"",
-                "f:2:1: unknown value `rign`; did you mean `ring`?",
+                "f:3:8: unknown value `rign`; did you mean `ring`?",
             ),
         ] {
             let told = told::<Plan>(text);

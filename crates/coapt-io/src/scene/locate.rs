@@ -84,6 +84,9 @@ pub fn located(file: &str, text: &str, fault: &Fault) -> Fault {
 
 /// Place and message as one sentence: `leaflets[0].thickness_mm is -1 mm` but `leaflets: no support`.
 pub fn sentence(fault: &Fault) -> String {
+    if fault.message.starts_with(&fault.place) {
+        return fault.message.clone();
+    }
     let goes_on = ["is ", "are ", "has ", "lacks ", "`"]
         .iter()
         .any(|word| fault.message.starts_with(word));

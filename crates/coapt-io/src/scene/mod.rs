@@ -170,3 +170,6 @@ fn finish<T>(value: T, name: &str, text: &str, files: Files) -> Result<(T, Vec<F
         Ok((value, faults))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,317 @@
+//! The program as its users meet it: exit status, streams, files.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+fn coapt(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_coapt"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn status(arguments: &[&str]) -> Option<i32> {
+    coapt(arguments).status.code()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// A folder that is gone at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("coapt-cli-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).display().to_string()
+    }
+
+    /// A small healthy valve as a scene folder.
+    fn valve(&self, settings: &[&str]) -> String {
+        let folder = self.path("valve");
+        let mut arguments = vec!["generate", "healthy", "--out", &folder, "--set", "faces=300"];
+        settings
+            .iter()
+            .for_each(|setting| arguments.extend(["--set", setting]));
+        let output = coapt(&arguments);
+        assert!(output.status.success(), "{}", stderr(&output));
+        folder
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn replace(file: &Path, from: &str, to: &str) {
+    let text = std::fs::read_to_string(file).unwrap();
+    assert!(text.contains(from), "{text}");
+    std::fs::write(file, text.replace(from, to)).unwrap();
+}
+
+#[test]
+fn closure_alone_closes_the_healthy_valve() {
+    let output = coapt(&["closure"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(
+        text.starts_with("healthy: mitral valve closed at 100 mmHg"),
+        "{text}"
+    );
+    assert!(text.contains("\nCERTIFIED"), "{text}");
+    assert!(text.ends_with("research use, not a medical device\n"), "{text}");
+    assert!(output.stderr.is_empty(), "{}", stderr(&output));
+}
+
+#[test]
+fn wrong_usage_is_status_2_and_help_is_0() {
+    let folder = Folder::new("usage");
+    let never = folder.path("never");
+    let generate = |setting: &'static str| vec!["generate", "--set", setting, "--out", &never];
+    for wrong in [
+        vec!["closure", "--bogus"],
+        vec!["clausure"],
+        vec![],
+        vec!["closure", "--threads", "0"],
+        vec!["closure", "--format", "xml"],
+        vec!["closure", "--ring", "saddle:28", "--plan", "x"],
+        vec!["closure", "--ring", "saddle"],
+        vec!["closure", "helthy"],
+        vec!["closure", "--plan", "/does/not/exist"],
+        vec!["check"],
+        vec!["check", "no-such-scene"],
+        vec!["generate", "healthy"],
+        vec!["generate", "helthy", "--out", &never],
+        generate("faces"),
+        generate("faces=-1"),
+        generate("annulus.transverse_mm=nan"),
+        generate("annulus.transverse_mm.x=1"),
+    ] {
+        let output = coapt(&wrong);
+        assert_eq!(output.status.code(), Some(2), "{wrong:?} {}", stderr(&output));
+    }
+    assert!(!Path::new(&never).exists());
+    assert!(stderr(&coapt(&["closure", "helthy"])).contains("did you mean `healthy`?"));
+    let unknown = stderr(&coapt(&generate("annulus.transverse=40")));
+    assert!(unknown.contains("did you mean `transverse_mm`?"), "{unknown}");
+    for help in [&["--help"][..], &["--version"], &["closure", "--help"]] {
+        assert_eq!(status(help), Some(0), "{help:?}");
+    }
+}
+
+#[test]
+fn a_generated_valve_checks_and_closes_before_and_after_a_ring() {
+    let folder = Folder::new("round");
+    let valve = folder.valve(&["name=case 7", "pressure_mmhg=90", "annulus.transverse_mm=36"]);
+    let check = coapt(&["check", &valve]);
+    assert_eq!(check.status.code(), Some(0), "{}", stdout(&check));
+    assert!(stdout(&check).contains("ready to be closed: 0 errors"));
+    let out = folder.path("out");
+    let output = coapt(&[
+        "closure",
+        &valve,
+        "--ring",
+        "saddle:30",
+        "--format",
+        "json",
+        "--out",
+        &out,
+    ]);
+    let report: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(report["case"], "case 7");
+    let certified = |state: &str| report[state]["solve"]["certified"].as_bool().unwrap();
+    let expected = if certified("before") && certified("after") {
+        0
+    } else {
+        3
+    };
+    assert_eq!(output.status.code(), Some(expected), "{}", stderr(&output));
+    let ap = |state: &str| report[state]["annulus"]["ap_mm"].as_f64().unwrap();
+    assert!(ap("after") < ap("before") - 1.0);
+    let written = std::fs::read_to_string(Path::new(&out).join("report.json")).unwrap();
+    assert_eq!(
+        written,
+        stdout(&output),
+        "the same report on the screen and in the folder"
+    );
+    assert!(Path::new(&out).join("after/closed.vtp").is_file());
+}
+
+#[test]
+fn a_full_folder_is_overwritten_only_when_asked_for() {
+    let folder = Folder::new("full");
+    let valve = folder.valve(&[]);
+    let scene = Path::new(&valve).join("scene.toml");
+    let before = std::fs::read(&scene).unwrap();
+    assert_eq!(status(&["generate", "dilated", "--out", &valve]), Some(2));
+    assert_eq!(before, std::fs::read(&scene).unwrap());
+    assert_eq!(
+        status(&["generate", "dilated", "--out", &valve, "--force"]),
+        Some(0)
+    );
+    assert_ne!(before, std::fs::read(&scene).unwrap());
+}
+
+#[test]
+fn a_plan_file_does_what_the_option_does() {
+    let folder = Folder::new("plan");
+    let valve = folder.valve(&[]);
+    let plan = folder.path("plan.toml");
+    let text = "schema_version = 1\n[[repair]]\nkind = \"ring\"\nfamily = \"saddle\"\nsize_mm = 30\n";
+    std::fs::write(&plan, text).unwrap();
+    let after = |option: &str, value: &str| {
+        let output = coapt(&["closure", &valve, option, value, "--format", "json"]);
+        let report: Value = serde_json::from_str(&stdout(&output)).unwrap();
+        report["after"]["annulus"].clone()
+    };
+    let by_plan = after("--plan", &plan);
+    assert!(by_plan.is_object());
+    assert_eq!(by_plan, after("--ring", "saddle:30"));
+    std::fs::write(&plan, text.replace("size_mm = 30", "size_mm = 3")).unwrap();
+    let wrong = coapt(&["closure", &valve, "--plan", &plan]);
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(
+        stderr(&wrong).contains("plan.toml:5: repair[0].size_mm is"),
+        "{}",
+        stderr(&wrong)
+    );
+}
+
+#[test]
+fn every_fault_of_a_scene_is_listed_with_its_line() {
+    let folder = Folder::new("faults");
+    let valve = folder.valve(&[]);
+    let scene = Path::new(&valve).join("scene.toml");
+    replace(&scene, "thickness_mm = 1.0", "thickness_mm = -1.0");
+    let check = coapt(&["check", &valve]);
+    assert_eq!(check.status.code(), Some(2));
+    let text = stdout(&check);
+    assert!(
+        text.contains("scene.toml:8: leaflets[0].thickness_mm is -1 mm"),
+        "{text}"
+    );
+    assert!(text.contains("cannot be closed: 2 errors"), "{text}");
+    let json: Value = serde_json::from_str(&stdout(&coapt(&["check", &valve, "--format", "json"]))).unwrap();
+    assert_eq!(json["errors"], 2);
+    assert_eq!(json["faults"].as_array().unwrap().len(), 2);
+    let closure = coapt(&["closure", &valve]);
+    assert_eq!(closure.status.code(), Some(2));
+    assert!(closure.stdout.is_empty() && stderr(&closure).contains("leaflets[1].thickness_mm"));
+    replace(&scene, "thickness_mm = -1.0", "thicknes_mm = 1.0");
+    let unknown = stdout(&coapt(&["check", &valve]));
+    assert!(unknown.contains("scene.toml:8:1: unknown key `thicknes_mm`; did you mean `thickness_mm`?"));
+}
+
+#[test]
+fn an_unfinished_closure_prints_its_report_and_is_status_3() {
+    let folder = Folder::new("limit");
+    let valve = folder.valve(&[]);
+    let scene = Path::new(&valve).join("scene.toml");
+    replace(&scene, "iteration_limit = 2000", "iteration_limit = 3");
+    let output = coapt(&["closure", &valve]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(
+        text.contains("NOT CERTIFIED: the iteration limit came first"),
+        "{text}"
+    );
+    assert!(text.contains("regurgitant orifice area"));
+}
+
+/// A sheet that passes through itself in the open valve: `check` says where, `closure` does not pretend.
+#[test]
+fn a_tangled_start_is_told() {
+    let folder = Folder::new("tangled");
+    let valve = folder.valve(&["leaflets.opening_angle_deg=20"]);
+    let leaflet = Path::new(&valve).join("leaflet_posterior.vtp");
+    let (mut mesh, _) = coapt_io::mesh::read_mesh(&leaflet).unwrap();
+    // The lower half of the posterior leaflet goes through the anterior one.
+    let mut heights: Vec<f64> = mesh.points.iter().map(|point| point[2]).collect();
+    heights.sort_unstable_by(f64::total_cmp);
+    let middle = heights[heights.len() / 2];
+    for point in mesh.points.iter_mut().filter(|point| point[2] < middle - 2.0) {
+        point[1] += 25.0;
+    }
+    coapt_io::mesh::write_vtp(&leaflet, &mesh).unwrap();
+    let check = coapt(&["check", &valve]);
+    assert_eq!(check.status.code(), Some(2), "{}", stdout(&check));
+    assert!(
+        stdout(&check).contains("surfaces cross in the open valve"),
+        "{}",
+        stdout(&check)
+    );
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_status_1() {
+    let folder = Folder::new("unwritable");
+    std::fs::write(folder.path("file"), "in the way").unwrap();
+    let output = coapt(&["closure", "--out", &folder.path("file/results")]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("file/results"));
+}
+
+/// Without times the files are the same to the last byte, whatever the number of threads.
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let folder = Folder::new("threads");
+    let valve = folder.valve(&[]);
+    let run = |threads: &str| {
+        let out = folder.path(threads);
+        let output = coapt(&[
+            "closure",
+            &valve,
+            "--ring",
+            "saddle:30",
+            "--threads",
+            threads,
+            "--out",
+            &out,
+        ]);
+        assert!(matches!(output.status.code(), Some(0 | 3)), "{}", stderr(&output));
+        let bytes = |file: &str| std::fs::read(Path::new(&out).join(file)).unwrap();
+        let report = String::from_utf8(bytes("report.json")).unwrap();
+        let timeless: Vec<String> = report
+            .lines()
+            .filter(|line| !line.contains("\"wall_ms\""))
+            .map(str::to_owned)
+            .collect();
+        assert_eq!(timeless.len() + 2, report.lines().count());
+        let surfaces = ["before/closed.vtp", "after/closed.vtp", "after/chords.vtp"].map(bytes);
+        (timeless, surfaces)
+    };
+    let one = run("1");
+    assert!(one == run("2"));
+    assert!(one == run("3"));
+}
+
+/// `coapt ... | head -0`: the reader is gone before the first word.
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    for arguments in [&["closure"][..], &["check", "healthy"], &["--help"]] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_coapt"))
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        assert!(!stderr(&output).contains("panicked"), "{}", stderr(&output));
+    }
+}
