@@ -107,7 +107,7 @@ fn wrong_version(version: u64) -> Option<String> {
 
 fn parse_toml<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Fault>> {
     let at = |span: Option<Range<usize>>| place(file, text, span.map_or(0, |span| span.start));
-    let (mut table, errors) = DeTable::parse_recoverable(text);
+    let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
         let told = errors.iter().take(FAULT_LIMIT);
         return Err(told
