@@ -131,7 +131,7 @@ impl Default for LeafletDimensions {
         Self {
             anterior_heights_mm: [17.5, 20.6, 17.5],
             posterior_heights_mm: [11.0, 12.9, 10.4],
-            commissure_height_mm: 7.5,
+            commissure_height_mm: 8.0,
             height_scale: 1.2,
             indentation_depth: 0.08,
             indentation_width_mm: 3.0,
