@@ -82,7 +82,7 @@ fn dilate(valve: &mut ValveParameters) {
     };
     valve.leaflets.height_scale *= 0.925;
     // 3.5 mm in all, at the lower end of the 3-8 mm usual for symmetric tethering: enough for a tenting volume of 4 mL
-    // (5.2 ± 1.8 mL in the same patients) and an orifice of 20-40 mm².
+    // (5.2 ± 1.8 mL in the same patients) and an orifice of 25-50 mm².
     valve.papillary.anterolateral_shift_mm = [2.0, 2.5, -1.5];
     valve.papillary.posteromedial_shift_mm = [-2.0, 2.5, -1.5];
 }
