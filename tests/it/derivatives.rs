@@ -31,11 +31,11 @@ fn nudged(positions: &[Vec3], vertex: usize, axis: usize, by: f64) -> Vec<Vec3> 
 fn assert_gradient(term: &Term, positions: &[Vec3]) {
     let gradient = (term.gradient)(positions);
     let scale = gradient.iter().map(|g| g.norm()).fold(1e-6, f64::max);
-    for vertex in 0..positions.len() {
-        for axis in 0..3 {
+    for (vertex, slope) in gradient.iter().enumerate() {
+        for (axis, slope) in slope.iter().enumerate() {
             let ahead = (term.energy)(&nudged(positions, vertex, axis, STEP));
             let behind = (term.energy)(&nudged(positions, vertex, axis, -STEP));
-            let difference = (ahead - behind) / (2.0 * STEP) - gradient[vertex][axis];
+            let difference = (ahead - behind) / (2.0 * STEP) - slope;
             assert!(
                 difference.abs() <= 1e-6 * scale,
                 "vertex {vertex} axis {axis}: {difference} of {scale}"

@@ -7,13 +7,15 @@ use crate::{Mat3, Vec3};
 
 /// The penalty per unit of area at distance d and its first two derivatives in d: [N/mm], [MPa], [MPa/mm].
 ///
-/// With s = d/d̂:
-///   ψ   =  κ d̂ (1−s)³/s
-///   ψ'  = −κ [3(1−s)²/s + (1−s)³/s²]
-///   ψ'' =  κ/d̂ [6(1−s)/s + 6(1−s)²/s² + 2(1−s)³/s³]
+/// ```text
+/// s   =  d/d̂
+/// ψ   =  κ d̂ (1−s)³/s
+/// ψ'  = −κ [3(1−s)²/s + (1−s)³/s²]
+/// ψ'' =  κ/d̂ [6(1−s)/s + 6(1−s)²/s² + 2(1−s)³/s³]
+/// ```
 pub fn penalty(distance_mm: f64, activation_mm: f64, stiffness_mpa: f64) -> [f64; 3] {
     let s = distance_mm / activation_mm;
-    if !(s < 1.0) {
+    if s >= 1.0 {
         return [0.0; 3];
     }
     let (gap, ratio) = (1.0 - s, (1.0 - s) / s);
@@ -65,9 +67,9 @@ pub fn add_hessian(
             Curvature::Exact => exact_blocks(&touch, stiffness_mpa),
             Curvature::Projected => projected_blocks(&touch, stiffness_mpa),
         };
-        for i in 0..4 {
-            for j in i..4 {
-                sink.add(touch.pair.vertices[i], touch.pair.vertices[j], &blocks[i][j]);
+        for (i, row) in blocks.iter().enumerate() {
+            for (j, block) in row.iter().enumerate().skip(i) {
+                sink.add(touch.pair.vertices[i], touch.pair.vertices[j], block);
             }
         }
     }
@@ -144,7 +146,7 @@ impl Touch<'_> {
     /// Second derivative of c = |u × v|² by the four vertices [mm²].
     fn cross_hessian(&self, i: usize, j: usize) -> Mat3 {
         let (u, v) = self.edges();
-        let sign = if (i + j) % 2 == 0 { 2.0 } else { -2.0 };
+        let sign = if (i + j).is_multiple_of(2) { 2.0 } else { -2.0 };
         let block = match (i / 2, j / 2) {
             (0, 0) => Mat3::from_diagonal_element(v.norm_squared()) - v * v.transpose(),
             (1, 1) => Mat3::from_diagonal_element(u.norm_squared()) - u * u.transpose(),
@@ -156,8 +158,13 @@ impl Touch<'_> {
 
     /// Second derivative of the distance d by the four vertices [1/mm].
     ///
-    /// D = ½ r·r with r = Σ wᵢ(b) xᵢ minimised over the free parameters b: with e_k = ∂r/∂b_k and u_k = ∂w/∂b_k,
-    ///   H_D = wᵢ wⱼ I − Σ_kl (wᵢ e_k + u_ki r) (e·e)⁻¹_kl (wⱼ e_l + u_lj r)ᵀ,   H_d = (H_D − wᵢ wⱼ n nᵀ) / d.
+    /// With D = ½ r·r and r = Σ wᵢ(b) xᵢ minimised over the free parameters b:
+    ///
+    /// ```text
+    /// e_k = ∂r/∂b_k,  u_k = ∂w/∂b_k
+    /// H_D = wᵢ wⱼ I − Σ_kl (wᵢ e_k + u_ki r) (e·e)⁻¹_kl (wⱼ e_l + u_lj r)ᵀ
+    /// H_d = (H_D − wᵢ wⱼ n nᵀ) / d
+    /// ```
     fn distance_hessian(&self) -> [[Mat3; 4]; 4] {
         let (w, r, n) = (self.nearest.weights, self.nearest.separation_mm, self.direction());
         let parameters = &self.nearest.parameters;

@@ -52,9 +52,9 @@ pub fn add_potential_gradient(
 
 /// Adds the symmetric part of the tangent of minus the force.
 ///
-/// With N = (b − a) × (c − a): ∂N/∂a = [c − b]ₓ and so on round, and every vertex carries −p/6 N. The block that
-/// couples a and b is K_ab = −p/6 [a − c]ₓ, and ½ (K_ab + K_baᵀ) = p/6 [c − (a + b)/2]ₓ. Diagonal blocks are
-/// antisymmetric: they have no symmetric part.
+/// With N = (b − a) × (c − a): ∂N/∂a = [c − b]ₓ and so on round, and every vertex carries −p/6 N. The block
+/// (a, b) is −p/6 [a − c]ₓ; the mean of it and of the transpose of (b, a) is p/6 [c − (a + b)/2]ₓ. Diagonal blocks
+/// are antisymmetric: they have no symmetric part.
 pub fn add_symmetric_tangent(
     faces: &[[u32; 3]],
     pressure_mpa: f64,
@@ -87,7 +87,7 @@ pub fn rim(faces: &[[u32; 3]]) -> Vec<[u32; 2]> {
 /// What [`add_symmetric_tangent`] leaves of K is, for a and b, −p/12 [a − b]ₓ from each face, which cancels
 /// between the two faces of an inner side, and −p/6 [c − b]ₓ on the diagonal, which sums to nothing around an
 /// inner vertex. Only sides on the rim keep anything; with e = a − b, a side (a, b) gives a the share
-/// −p/6 e × dₐ − p/12 e × d_b, and b the same with a and b exchanged in d.
+/// −p/6 e × d(a) − p/12 e × d(b), and b the same with d(a) and d(b) exchanged.
 pub fn add_antisymmetric_product(
     rim: &[[u32; 2]],
     pressure_mpa: f64,

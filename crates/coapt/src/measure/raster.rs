@@ -85,6 +85,37 @@ impl Raster {
         first.min(count)..end.min(count)
     }
 
+    /// Fills what is narrower than `width_mm`, empty or deep: between two leaflets in contact the mid-surfaces stand a
+    /// thickness apart, and a line of sight into that slit is no part of the surface.
+    pub(super) fn close_slits(&mut self, width_mm: f64) {
+        let reach = (0.5 * width_mm / self.pixel_mm).ceil() as usize;
+        for (columns, rows) in [(reach, 0), (0, reach)] {
+            self.height_mm = self.filtered(columns, rows, f64::NEG_INFINITY, f64::max);
+        }
+        for (columns, rows) in [(reach, 0), (0, reach)] {
+            self.height_mm = self.filtered(columns, rows, f64::INFINITY, f64::min);
+        }
+    }
+
+    /// The largest or smallest height within a reach of each pixel.
+    fn filtered(&self, columns: usize, rows: usize, start: f64, pick: fn(f64, f64) -> f64) -> Vec<f64> {
+        let near =
+            |at: usize, reach: usize, count: usize| at.saturating_sub(reach)..(at + reach + 1).min(count);
+        let mut picked = Vec::with_capacity(self.height_mm.len());
+        for row in 0..self.rows {
+            for column in 0..self.columns {
+                let mut value = start;
+                for r in near(row, rows, self.rows) {
+                    for c in near(column, columns, self.columns) {
+                        value = pick(value, self.height_mm[r * self.columns + c]);
+                    }
+                }
+                picked.push(value);
+            }
+        }
+        picked
+    }
+
     /// Fills pixels that are empty here but not in the mask with the mean of their neighbours, from the rim inwards.
     pub(super) fn bridge(&mut self, mask: &Self) {
         loop {

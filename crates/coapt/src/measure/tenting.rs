@@ -61,7 +61,7 @@ fn at_pixel(model: &Model, s: &Surface, pixel_mm: f64) -> (TentingMeasures, Bill
         .map(|&p| plane.local(p))
         .collect();
     let local: Vec<Vec3> = s.positions_mm.iter().map(|&p| plane.local(p)).collect();
-    let (fan, top) = fields(&curve, s, &local, pixel_mm);
+    let (fan, top) = fields(&curve, s, &local, pixel_mm, model.contact.thickness_mm);
     let pixel_ml = fan.pixel_mm * fan.pixel_mm / ML_MM3;
     let heights = fan
         .height_mm
@@ -78,8 +78,8 @@ fn at_pixel(model: &Model, s: &Surface, pixel_mm: f64) -> (TentingMeasures, Bill
     (tenting, billow)
 }
 
-/// The annular surface and the uppermost leaflet over it.
-fn fields(curve: &[Vec3], s: &Surface, local: &[Vec3], pixel_mm: f64) -> (Raster, Raster) {
+/// The annular surface and the uppermost leaflet over it, slits narrower than `slit_mm` closed.
+fn fields(curve: &[Vec3], s: &Surface, local: &[Vec3], pixel_mm: f64, slit_mm: f64) -> (Raster, Raster) {
     let mut fan = Raster::over(curve, pixel_mm);
     let mut top = fan.clone();
     for [a, b] in edges_closed(curve) {
@@ -88,6 +88,7 @@ fn fields(curve: &[Vec3], s: &Surface, local: &[Vec3], pixel_mm: f64) -> (Raster
     for face in s.faces {
         top.paint(face.map(|v| local[v as usize]));
     }
+    top.close_slits(slit_mm);
     top.bridge(&fan);
     (fan, top)
 }

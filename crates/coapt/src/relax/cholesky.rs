@@ -203,7 +203,7 @@ impl Reach {
                 self.path.push(node);
                 node = parent[node as usize];
             }
-            self.columns.extend(self.path.drain(..));
+            self.columns.append(&mut self.path);
         }
         // A column comes before its ancestors in the tree: ascending order does that.
         self.columns.sort_unstable();

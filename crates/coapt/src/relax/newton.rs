@@ -341,7 +341,7 @@ impl<'a> Solver<'a> {
         if fraction == 1.0 {
             self.damping = (self.damping * 0.5).max(self.least_damping);
         } else if fraction < 0.3 {
-            self.damping = self.damping * 4.0;
+            self.damping *= 4.0;
         }
     }
 
@@ -390,7 +390,7 @@ impl<'a> Solver<'a> {
 
     /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in
     /// which the tangent is most negative. False where there is no such direction.
-    fn escape(&mut self, positions: &mut Vec<Vec3>, gradient: &[Vec3]) -> bool {
+    fn escape(&mut self, positions: &mut [Vec3], gradient: &[Vec3]) -> bool {
         if self.is_stable(positions, gradient) {
             return false;
         }
