@@ -74,7 +74,7 @@ pub fn measure(model: &Model, positions_mm: &[Vec3], nodal_reaction_n: &[Vec3]) 
     Measures {
         annulus: annulus::annulus(model, positions_mm),
         coaptation: coaptation::coaptation(model, &surface, &gaps, &seal),
-        orifice: orifice::orifice(model, &surface, &seal),
+        orifice: orifice::orifice(model, &surface, &gaps, &seal),
         tenting,
         billow,
         leaflets: leaflet::leaflets(model, &surface),

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::distance::point_segment;
-use super::gap::threshold_mm;
+use super::gap::{Gaps, threshold_mm};
 use super::seal::Seal;
 use super::spanning::spanning_area;
 use super::surface::Surface;
@@ -16,6 +16,10 @@ use crate::model::{Margin, Model};
 /// other bound a hole, and so does a commissure's one stretch, a perforation's rim, or the whole margin of a valve
 /// that does not close at all. Holes narrower than contact at the resolution of the mesh are none. Distances are
 /// between mid-surfaces: the thickness of the tissue is not taken off.
+///
+/// Where an open margin has no open margin across from it, or one that is much farther than the leaflet it belongs to
+/// (an everted flap), margins do not bound the hole: there it is half of each side's strip between the open margin
+/// and the nearest tissue of another leaflet.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct OrificeMeasures {
     /// Anatomic regurgitant orifice area [mm²]: sum over the holes of the smallest triangulated surface that spans
@@ -33,9 +37,19 @@ pub struct OrificeMeasures {
 /// to touch says less of the valve than of the mesh.
 const RESOLUTION_EDGES: f64 = 0.05;
 
+/// An open margin with none across counts when it gapes by this many edge lengths more than contact (our choice): the
+/// way up to the annulus that decides what is open follows edges, and may miss contact by one.
+const ONE_SIDED_EDGES: f64 = 1.0;
+
+/// Margins bound a hole together when the leaflets are at least this part of the margins' distance apart [1]. In a
+/// slit the two are the same; a flap folded back has its margin about twice as far away as its belly.
+const FACING_PART: f64 = 0.65;
+
 /// An open stretch of margin.
 struct Stretch {
     points: Vec<Vec3>,
+    /// Distance of each point to the nearest other leaflet [mm].
+    facing_mm: Vec<f64>,
     /// Leaflets at each point, one bit each.
     leaflets: Vec<u64>,
     /// A whole margin, which closes on itself.
@@ -43,18 +57,26 @@ struct Stretch {
 }
 
 /// Finds and measures the holes.
-pub(super) fn orifice(model: &Model, s: &Surface, seal: &Seal) -> OrificeMeasures {
+pub(super) fn orifice(model: &Model, s: &Surface, gaps: &Gaps, seal: &Seal) -> OrificeMeasures {
     let mut m = OrificeMeasures::default();
     let stretches: Vec<Stretch> = model
         .margins
         .iter()
-        .flat_map(|margin| open_stretches(s, seal, &oriented(s, margin)))
+        .flat_map(|margin| open_stretches(s, gaps, seal, &oriented(s, margin)))
         .collect();
-    let least = threshold_mm(model, s.mean_edge_mm) + RESOLUTION_EDGES * s.mean_edge_mm;
+    let contact = threshold_mm(model, s.mean_edge_mm);
+    let least = contact + RESOLUTION_EDGES * s.mean_edge_mm;
     for hole in holes(&stretches) {
         let rim: Vec<&Stretch> = hole.iter().map(|&i| &stretches[i]).collect();
         let gap = widest(&rim);
-        if gap > least {
+        let facing = rim.iter().flat_map(|r| &r.facing_mm).copied().fold(0.0, f64::max);
+        if is_one_sided(&rim) || (rim.len() > 1 && facing < FACING_PART * gap) {
+            if facing > contact + ONE_SIDED_EDGES * s.mean_edge_mm {
+                m.area_mm2 += rim.iter().map(|r| 0.5 * strip_area_mm2(r)).sum::<f64>();
+                m.count += 1;
+                m.max_gap_mm = m.max_gap_mm.max(facing);
+            }
+        } else if gap > least {
             let polygon: Vec<Vec3> = rim.iter().flat_map(|r| r.points.iter().copied()).collect();
             m.area_mm2 += spanning_area(&polygon);
             m.count += 1;
@@ -62,6 +84,22 @@ pub(super) fn orifice(model: &Model, s: &Surface, seal: &Seal) -> OrificeMeasure
         }
     }
     m
+}
+
+/// A single stretch along one leaflet: nothing open lies across from it.
+fn is_one_sided(rim: &[&Stretch]) -> bool {
+    match rim {
+        [only] => !only.closed && only.leaflets.iter().fold(u64::MAX, |all, at| all & at) != 0,
+        _ => false,
+    }
+}
+
+/// Area between an open margin and the nearest tissue of another leaflet, by the trapezoidal rule [mm²].
+fn strip_area_mm2(stretch: &Stretch) -> f64 {
+    let sides = stretch.points.windows(2).zip(stretch.facing_mm.windows(2));
+    sides
+        .map(|(points, gaps)| (points[1] - points[0]).norm() * 0.5 * (gaps[0] + gaps[1]))
+        .sum()
 }
 
 /// The margin in the sense in which its faces run along it, so that opposite stretches run against each other.
@@ -77,13 +115,13 @@ fn oriented(s: &Surface, margin: &Margin) -> Margin {
     margin
 }
 
-fn open_stretches(s: &Surface, seal: &Seal, margin: &Margin) -> Vec<Stretch> {
+fn open_stretches(s: &Surface, gaps: &Gaps, seal: &Seal, margin: &Margin) -> Vec<Stretch> {
     let n = margin.vertices.len();
     let vertex = |i: usize| margin.vertices[i % n] as usize;
     let open = |i: usize| seal.open[vertex(i)];
     let Some(sealed) = (0..n).find(|&i| !open(i)) else {
         return if n > 1 {
-            vec![stretch(s, (0..n).map(vertex), margin.closed)]
+            vec![stretch(s, gaps, (0..n).map(vertex), margin.closed)]
         } else {
             vec![]
         };
@@ -99,7 +137,7 @@ fn open_stretches(s: &Surface, seal: &Seal, margin: &Margin) -> Vec<Stretch> {
     while i < to {
         let end = (i..to).find(|&j| !open(j)).unwrap_or(to);
         if end > i {
-            let mut run = stretch(s, (i..end).map(vertex), false);
+            let mut run = stretch(s, gaps, (i..end).map(vertex), false);
             if i > from || margin.closed {
                 run.extend(s, seal, vertex(i), vertex(i + n - 1), true);
             }
@@ -113,12 +151,15 @@ fn open_stretches(s: &Surface, seal: &Seal, margin: &Margin) -> Vec<Stretch> {
     found
 }
 
-fn stretch(s: &Surface, vertices: impl Iterator<Item = usize>, closed: bool) -> Stretch {
+fn stretch(s: &Surface, gaps: &Gaps, vertices: impl Iterator<Item = usize>, closed: bool) -> Stretch {
+    let vertices: Vec<usize> = vertices.collect();
     let (points, leaflets) = vertices
-        .map(|v| (s.positions_mm[v], s.vertex_leaflets[v]))
+        .iter()
+        .map(|&v| (s.positions_mm[v], s.vertex_leaflets[v]))
         .unzip();
     Stretch {
         points,
+        facing_mm: vertices.iter().map(|&v| gaps.facing_mm[v]).collect(),
         leaflets,
         closed,
     }
@@ -133,6 +174,8 @@ impl Stretch {
         let place = if at_start { 0 } else { self.points.len() };
         self.points
             .insert(place, s.positions_mm[open].lerp(&s.positions_mm[sealed], t));
+        // There it meets the seal.
+        self.facing_mm.insert(place, 0.0);
         self.leaflets
             .insert(place, s.vertex_leaflets[open] & s.vertex_leaflets[sealed]);
     }
@@ -273,7 +316,7 @@ mod tests {
     fn measured(model: &Model, positions: &[Vec3]) -> OrificeMeasures {
         let s = surface::surface(model, positions);
         let gaps = gap::gaps(model, &s);
-        orifice(model, &s, &seal::seal(model, &s, &gaps))
+        orifice(model, &s, &gaps, &seal::seal(model, &s, &gaps))
     }
 
     fn regular_area(n: usize, r: f64) -> f64 {
@@ -364,6 +407,20 @@ mod tests {
         let exact = 0.4 * end + 2.0 * b * (end - end.powi(3) / (3.0 * a * a));
         assert_eq!(m.count, 1);
         assert!((m.area_mm2 / exact - 1.0).abs() < 0.05, "{m:?} {exact}");
+    }
+
+    /// A strip whose width grows along the margin.
+    #[test]
+    fn strips_follow_the_trapezoidal_rule() {
+        let stretch = Stretch {
+            points: (0..=10).map(|k| Vec3::new(f64::from(k), 0.0, 0.0)).collect(),
+            facing_mm: (0..=10).map(|k| 0.2 * f64::from(k)).collect(),
+            leaflets: vec![1; 11],
+            closed: false,
+        };
+        // A linear width is integrated exactly: 10 · (0 + 2)/2.
+        assert!((strip_area_mm2(&stretch) - 10.0).abs() < 1e-12);
+        assert!(is_one_sided(&[&stretch]));
     }
 
     /// A square hole of 2 mm in a leaflet of 6 mm hung from its whole border: 4 mm², exactly, and 2 mm wide.
