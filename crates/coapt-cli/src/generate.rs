@@ -17,9 +17,8 @@ pub(crate) struct Arguments {
     /// healthy, dilated, flail, barlow or restricted
     #[arg(default_value = "healthy")]
     preset: String,
-    /// A parameter of the valve, such as annulus.transverse_mm=42, leaflets.anterior_heights_mm=[16,23,16] or
-    /// faces=2600; may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
+    /// A parameter by its dotted key; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     settings: Vec<String>,
     /// Folder for scene.toml and its meshes, made if need be
     #[arg(long, value_name = "DIR")]
@@ -28,6 +27,9 @@ pub(crate) struct Arguments {
     #[arg(long)]
     force: bool,
 }
+
+const SET_HELP: &str = "A parameter of the valve, such as annulus.transverse_mm=42, \
+                        leaflets.anterior_heights_mm=[16,23,16] or faces=2600; may be given several times";
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {

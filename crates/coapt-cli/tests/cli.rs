@@ -185,7 +185,7 @@ fn a_plan_file_does_what_the_option_does() {
     let wrong = coapt(&["closure", &valve, "--plan", &plan]);
     assert_eq!(wrong.status.code(), Some(2));
     assert!(
-        stderr(&wrong).contains("plan.toml:5: repair[0].size_mm is"),
+        stderr(&wrong).contains("plan.toml:5: repair[0].size_mm"),
         "{}",
         stderr(&wrong)
     );

@@ -1,5 +1,6 @@
 //! What a closure found: as one object for machines, as a table for people, as surfaces for pictures.
 
+mod rows;
 mod surfaces;
 mod text;
 

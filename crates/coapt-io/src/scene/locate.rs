@@ -50,7 +50,6 @@ fn entry<'a, 'i>(table: &'a DeTable<'i>, key: &str) -> Option<(usize, &'a Spanne
 }
 
 /// The item of that number, or the value itself: where it stands, and its table if it is one.
-#[expect(clippy::type_complexity, reason = "used once, by the function above")]
 fn inside<'a, 'i>(
     value: &'a Spanned<DeValue<'i>>,
     number: Option<usize>,

@@ -3,6 +3,7 @@
 use super::distance::{point_box, point_segment, point_triangle};
 use super::surface::{Surface, leaflet_bit, surface};
 use super::tree::{Tree, tree};
+use super::ways::ways_from_annulus;
 use crate::Vec3;
 use crate::model::Model;
 
@@ -36,6 +37,8 @@ pub(super) struct Gaps {
     pub(super) facing_mm: Vec<f64>,
     /// Distance to the nearest face of a distant part of the same leaflet [mm].
     pub(super) own_mm: Vec<f64>,
+    /// The same, to parts that lie beside it along the annulus rather than above or below it [mm].
+    pub(super) beside_mm: Vec<f64>,
     /// Gap below which a vertex is in contact [mm].
     pub(super) threshold_mm: Vec<f64>,
 }
@@ -84,28 +87,35 @@ pub(super) fn gaps(model: &Model, s: &Surface) -> Gaps {
         .map(|&edge| threshold_mm(model, edge))
         .collect();
     let trees = leaflet_trees(s);
+    let ways = ways_from_annulus(model, s);
     let mut own_mm = vec![GAP_CAP_MM; count];
-    let mut facing_mm = vec![GAP_CAP_MM; count];
+    let mut beside_mm = own_mm.clone();
+    let mut facing_mm = own_mm.clone();
     for v in (0..count).filter(|&v| s.vertex_leaflets[v] != 0) {
         for (leaflet, tree) in trees.iter().enumerate() {
-            let own = s.vertex_leaflets[v] & leaflet_bit(leaflet as u32) != 0;
-            let gap = if own { &mut own_mm[v] } else { &mut facing_mm[v] };
-            let near = if own {
-                own_gap(s, tree, v, threshold[v])
-            } else {
-                facing_gap(s, tree, v, *gap)
-            };
-            *gap = gap.min(near);
+            if s.vertex_leaflets[v] & leaflet_bit(leaflet as u32) == 0 {
+                facing_mm[v] = facing_mm[v].min(facing_gap(s, tree, v, facing_mm[v]));
+                continue;
+            }
+            own_mm[v] = own_mm[v].min(own_gap(s, tree, v, threshold[v], |_| true));
+            if own_mm[v] < GAP_CAP_MM {
+                let beside = own_gap(s, tree, v, threshold[v], |f| {
+                    ways.beside(v, s.faces[f][0] as usize)
+                });
+                beside_mm[v] = beside_mm[v].min(beside);
+            }
         }
     }
     if s.face_leaflet.iter().all(|leaflet| leaflet == &s.face_leaflet[0]) {
         facing_mm.clone_from(&own_mm);
+        beside_mm.clone_from(&own_mm);
     } else {
         bridge_seams(s, &mut facing_mm, &threshold);
     }
     Gaps {
         facing_mm,
         own_mm,
+        beside_mm,
         threshold_mm: threshold,
     }
 }
@@ -126,13 +136,13 @@ fn facing_gap(s: &Surface, tree: &Tree, v: usize, limit: f64) -> f64 {
 }
 
 /// Followed to two mean edges beyond the threshold: what is next to tissue in contact is hardly farther.
-fn own_gap(s: &Surface, tree: &Tree, v: usize, threshold: f64) -> f64 {
+fn own_gap(s: &Surface, tree: &Tree, v: usize, threshold: f64, counts: impl Fn(usize) -> bool) -> f64 {
     let (p, rest, near) = (s.positions_mm[v], s.rest_mm[v], FOLD_THRESHOLDS * threshold);
     let limit = (threshold + 2.0 * s.mean_edge_mm).min(GAP_CAP_MM);
     let nearer = |f: usize, best: f64| {
         // Bounds dismiss most faces: of the distance they had, a corner's; of the one they have, that to their box.
         let had = (s.rest_mm[s.faces[f][0] as usize] - rest).norm_squared();
-        if had <= near * near {
+        if had <= near * near || !counts(f) {
             return None;
         }
         let (corners, best) = (s.corners(f), best.min(had.sqrt() / FOLD_RATIO));

@@ -20,6 +20,7 @@ mod surface;
 #[cfg(test)]
 mod test_models;
 mod tree;
+mod ways;
 
 use serde::Serialize;
 

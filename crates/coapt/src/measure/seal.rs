@@ -1,10 +1,8 @@
 //! Which tissue is in contact, and which lies open to the atrium.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use super::gap::Gaps;
 use super::surface::Surface;
+use super::ways::ways_from_annulus;
 use crate::model::Model;
 
 /// Contact and openness per vertex.
@@ -19,46 +17,20 @@ pub(super) struct Seal {
 ///
 /// Each vertex looks up along its shortest way to the annulus in the unloaded mesh. A plain flood over everything that
 /// is not in contact would pass through a leak, spread below the line of closure and find all of it open.
-/// Tissue that no way leads to is open unless it touches: unknown must not look sealed.
+/// Tissue that no way leads to is open unless it touches: unknown must not look sealed. A leaflet that
+/// touches itself seals when it is pleated, between parts that lie side by side along the annulus. Folded over, as
+/// an everted flap is, it stops no flow.
 pub(super) fn seal(model: &Model, s: &Surface, gaps: &Gaps) -> Seal {
     let clearance_mm: Vec<f64> = (0..s.vertex_leaflets.len())
         .map(|v| gaps.facing_mm[v].min(gaps.own_mm[v]) - gaps.threshold_mm[v])
         .collect();
-    let mut open: Vec<bool> = clearance_mm.iter().map(|&c| c >= 0.0).collect();
-    for (v, parent) in ways_from_annulus(model, s) {
+    let mut open: Vec<bool> = (0..clearance_mm.len())
+        .map(|v| gaps.facing_mm[v].min(gaps.beside_mm[v]) >= gaps.threshold_mm[v])
+        .collect();
+    for &(v, parent) in &ways_from_annulus(model, s).nearest_first {
         open[v] = open[v] && open[parent];
     }
     Seal { clearance_mm, open }
-}
-
-/// Vertices with the next one on their shortest way to the annulus, nearest first (Dijkstra). Vertices of the
-/// annulus are their own.
-fn ways_from_annulus(model: &Model, s: &Surface) -> Vec<(usize, usize)> {
-    let count = s.vertex_leaflets.len();
-    let mut done = vec![false; count];
-    let mut length = vec![f64::INFINITY; count];
-    let mut ways = Vec::with_capacity(count);
-    let mut queue = BinaryHeap::new();
-    for &v in &model.annulus {
-        length[v as usize] = 0.0;
-        queue.push(Reverse((0, v as usize, v as usize)));
-    }
-    while let Some(Reverse((bits, v, parent))) = queue.pop() {
-        if std::mem::replace(&mut done[v], true) {
-            continue;
-        }
-        ways.push((v, parent));
-        for &n in s.neighbours(v) {
-            let n = n as usize;
-            let longer = f64::from_bits(bits) + (s.rest_mm[v] - s.rest_mm[n]).norm();
-            if longer < length[n] {
-                length[n] = longer;
-                // Bits of non-negative numbers are in the order of the numbers; ties go to the lower vertex.
-                queue.push(Reverse((longer.to_bits(), n, v)));
-            }
-        }
-    }
-    ways
 }
 
 #[cfg(test)]
@@ -82,6 +54,7 @@ mod tests {
         let gaps = Gaps {
             facing_mm,
             own_mm: vec![GAP_CAP_MM; count],
+            beside_mm: vec![GAP_CAP_MM; count],
             threshold_mm: vec![0.6; count],
         };
         let open = seal(&model, &s, &gaps).open;
@@ -105,6 +78,7 @@ mod tests {
         let gaps = Gaps {
             facing_mm: vec![1.0; 9],
             own_mm: vec![1.0; 9],
+            beside_mm: vec![1.0; 9],
             threshold_mm: vec![0.6; 9],
         };
         assert!(seal(&model, &s, &gaps).open.iter().all(|&o| o));

@@ -98,18 +98,20 @@ impl Default for AnnulusDimensions {
 #[serde(deny_unknown_fields, default)]
 pub struct LeafletDimensions {
     /// Heights at the middles of A1, A2, A3 [mm]. A2: 20.6 ± 4.2 at autopsy of 200 hearts (Krawczyk-Ozog
-    /// 2017, in paper 004) times 1.1; A1 and A3 our choice.
+    /// 2017, in paper 004); A1 and A3 our choice, so that closure reaches the commissures.
     pub anterior_heights_mm: [f64; 3],
-    /// Heights at the middles of P1, P2, P3 [mm]. 11.0, 12.9, 10.4 in the same hearts; P2 rounded up.
+    /// Heights at the middles of P1, P2, P3 [mm]. 11.0, 12.9, 10.4 (± 2.5 to 2.8) in the same hearts.
     pub posterior_heights_mm: [f64; 3],
     /// Height at the commissures [mm]. Our choice; 5 to 8 is usual.
     pub commissure_height_mm: f64,
-    /// Factor on all heights [1]. 1.25: our choice, so that the unloaded leaflets have 1.5 times the area of
-    /// the annulus. Published: 1.95 ± 0.40 times, and in health 1.78 ± 0.39 times what closure needs (Chaput
-    /// 2008), both loaded.
+    /// Factor on all heights [1]. 1.2, our choice: A2 and P2 become 24.7 and 15.5 mm, one published standard
+    /// deviation above the autopsy means and close to 24.1 and 14.0 mm by echo in the living (13.4 and 7.8 mm per m²,
+    /// at 1.8 m²). The leaflets then have 1.5 times the area of the annulus unloaded and 1.85 to 1.9 times closed
+    /// under pressure, where 1.95 ± 0.40 is published (Chaput 2008). At 1.15 the valve closes barely, not from every
+    /// start.
     pub height_scale: f64,
     /// How deep the margin is indented between the posterior scallops, over the local height [1]. Our choice:
-    /// mild. True clefts are 0.3 to 0.5.
+    /// so mild that closure bridges it. True clefts are 0.3 to 0.5.
     pub indentation_depth: f64,
     /// Full width of these indentations at half depth [mm]. Our choice.
     pub indentation_width_mm: f64,
@@ -129,7 +131,7 @@ impl Default for LeafletDimensions {
         Self {
             anterior_heights_mm: [17.5, 20.6, 17.5],
             posterior_heights_mm: [11.0, 12.9, 10.4],
-            commissure_height_mm: 7.5,
+            commissure_height_mm: 8.0,
             height_scale: 1.2,
             indentation_depth: 0.08,
             indentation_width_mm: 3.0,
@@ -146,8 +148,9 @@ impl Default for LeafletDimensions {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct PapillaryPositions {
-    /// Middle head of the anterolateral muscle [mm]. Solves the distances of 23.5 mm to trigone and P1-P2
-    /// border (57 hearts, Sakai 1999), lowered towards systolic CT (23-27 mm below the annulus).
+    /// Middle head of the anterolateral muscle [mm]. 23.5 mm from trigone and P1-P2 border (57 hearts, Sakai 1999)
+    /// would be about [10, 0, -16]; moved down and back towards systolic CT (23-27 mm below the annulus, 11-14 mm
+    /// posterior), which puts the closure line where it is published.
     pub anterolateral_mm: [f64; 3],
     /// Middle head of the posteromedial muscle [mm]. Likewise.
     pub posteromedial_mm: [f64; 3],
@@ -179,14 +182,15 @@ pub struct ClosedShapeTarget {
     /// How far across the closure line lies, from the anterior to the posterior annulus [1]. 0.64: coaptation
     /// distance 17.9 of 28 mm.
     pub closure_line_fraction: f64,
-    /// Depth of the middle of the closure line below the mean height of the annulus [mm]. 4 to 7 in health.
+    /// Depth of the middle of the closure line below the mean height of the annulus [mm]. 4 to 7 in health; 7, because
+    /// the belly's rise under pressure takes the line up again.
     pub tenting_height_mm: f64,
     /// How far the margins hang below the closure line in the middle [mm]. Our choice.
     pub coaptation_length_mm: f64,
     /// The same at the commissures [mm]. Our choice.
     pub commissural_coaptation_length_mm: f64,
     /// Rise of the leaflet belly above the straight line from annulus to closure line, over that line [1].
-    /// Our choice.
+    /// Negative, our choice: strut and basal chordae hold the belly back, and it bulges between them by itself.
     pub belly_fraction: f64,
 }
 

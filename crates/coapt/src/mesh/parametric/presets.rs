@@ -68,8 +68,8 @@ impl ValveParameters {
 }
 
 /// Functional regurgitation, symmetric. Annulus: 43 x 34 mm and 5.9 mm high at mid-systole (PMC7368231). The
-/// leaflets are a little lower on the longer hinge, so that their area stays within 1.0 to 1.1 of the healthy
-/// one.
+/// leaflets are a little lower on the longer hinge: 1.1 times the healthy area, where ventricular dysfunction has 1.0
+/// to 1.35 (35 ± 20 % more, Chaput 2008), on an annulus 1.35 times as large.
 fn dilate(valve: &mut ValveParameters) {
     valve.chordae.rest_annulus = Some(valve.annulus);
     valve.annulus = AnnulusDimensions {
@@ -80,15 +80,15 @@ fn dilate(valve: &mut ValveParameters) {
         posterior_height_mm: 1.2,
         ..valve.annulus
     };
-    valve.leaflets.height_scale *= 0.9;
-    // 5 mm apical, 4 mm to the side and back: within the 3-8 mm usual for symmetric tethering.
-    let sideways = 4.0 / f64::sqrt(2.0);
-    valve.papillary.anterolateral_shift_mm = [sideways, sideways, -5.0];
-    valve.papillary.posteromedial_shift_mm = [-sideways, sideways, -5.0];
+    valve.leaflets.height_scale *= 0.925;
+    // 3.5 mm in all, at the lower end of the 3-8 mm usual for symmetric tethering: enough for a tenting volume of 4 mL
+    // (5.2 ± 1.8 mL in the same patients) and an orifice of 25-50 mm².
+    valve.papillary.anterolateral_shift_mm = [2.0, 2.5, -1.5];
+    valve.papillary.posteromedial_shift_mm = [-2.0, 2.5, -1.5];
 }
 
-/// The six marginal chordae that reach two fifths of the posterior margin, and the two intermediate ones
-/// behind them: with fewer, P2 stays below the anterior leaflet. The annulus is enlarged with its saddle kept
+/// The six marginal chordae that reach two fifths of the posterior margin, which is all of P2 (28 % of the hinge) and
+/// its borders, and the two intermediate ones behind them: with fewer, P2 stays below the anterior leaflet. The annulus is enlarged with its saddle kept
 /// (about 1300 mm² in fibroelastic deficiency, same 77 patients as below) and P2 a little higher.
 fn rupture(valve: &mut ValveParameters) {
     valve.annulus = AnnulusDimensions {
@@ -103,8 +103,9 @@ fn rupture(valve: &mut ValveParameters) {
     valve.chordae.ruptured_posterior_fraction = 0.4;
 }
 
-/// Annulus about 1500 mm² and flattened (77 patients, Cardiovascular Ultrasound 2016); heights x1.3-1.6, rest
-/// lengths x1.1-1.4; myxomatous tissue half as stiff with a later knee.
+/// Annulus about 1500 mm² and flattened (77 patients, Cardiovascular Ultrasound 2016); heights x1.3-1.6: P2 is higher
+/// than 20 mm; rest lengths x1.1-1.4, counting the tips, which lie 6 mm lower and 4 mm wider in the larger ventricle
+/// (our choice: the open margins keep clear of them); myxomatous tissue half as stiff with a later knee.
 fn enlarge(valve: &mut ValveParameters) {
     valve.annulus = AnnulusDimensions {
         transverse_mm: 46.0,
@@ -114,18 +115,23 @@ fn enlarge(valve: &mut ValveParameters) {
         posterior_height_mm: 0.8,
         ..valve.annulus
     };
-    valve.leaflets.height_scale *= 1.4;
+    valve.leaflets.height_scale *= 4.0 / 3.0;
     valve.leaflets.thickness_mm = 1.5;
     valve.leaflets.tissue = scaled(valve.leaflets.tissue, 0.5, 1.3);
-    valve.chordae.rest_length_scale = 1.25;
+    valve.papillary.anterolateral_mm = [16.0, 5.0, -26.0];
+    valve.papillary.posteromedial_mm = [-16.0, 6.0, -27.0];
+    valve.chordae.rest_length_scale = 1.2;
 }
 
-/// Three times as stiff with an early knee, twice as thick; rest lengths x0.7-0.9.
+/// Three times as stiff with an early knee, twice as thick, posterior leaflet lower; rest lengths x0.87, of the
+/// x0.7-0.9 usual for rheumatic valves, which makes an orifice of 20-40 mm². The heights are unloaded ones: tissue
+/// that hardly stretches needs 10 % more of them to be imaged at the usual size under pressure (our choice).
 fn restrict(valve: &mut ValveParameters) {
     valve.leaflets.posterior_heights_mm = valve.leaflets.posterior_heights_mm.map(|height| 0.9 * height);
+    valve.leaflets.height_scale *= 1.1;
     valve.leaflets.thickness_mm = 2.0;
     valve.leaflets.tissue = scaled(valve.leaflets.tissue, 3.0, 0.4);
-    valve.chordae.rest_length_scale = 0.8;
+    valve.chordae.rest_length_scale = 0.87;
 }
 
 /// A tissue with both moduli and the transition strain multiplied.

@@ -4,6 +4,7 @@ use super::closed_shape::ClosedShape;
 use super::*;
 
 mod chordae;
+mod closing;
 
 const SIZES: [u32; 5] = [200, 650, 2600, 10_000, 100_000];
 
@@ -139,16 +140,16 @@ fn columns_are_as_long_as_the_leaflets_are_high() {
 fn heights_pass_through_their_controls() {
     let parameters = ValveParameters::default();
     let surface = Surface::new(&parameters);
-    let height = |side, across| surface.height_mm(surface.annulus.arc_of(side, across)) / 1.25;
-    for (across, expected) in [(0.0, 6.0), (0.2, 16.0), (0.5, 23.0), (0.8, 16.0), (1.0, 6.0)] {
+    let height = |side, across| surface.height_mm(surface.annulus.arc_of(side, across)) / 1.2;
+    for (across, expected) in [(0.0, 8.0), (0.2, 17.5), (0.5, 20.6), (0.8, 17.5), (1.0, 8.0)] {
         assert!((height(Side::Anterior, across) - expected).abs() < 1e-9);
     }
-    for (across, expected) in [(0.17, 10.5), (0.5, 13.5), (0.83, 11.0)] {
+    for (across, expected) in [(0.17, 10.4), (0.5, 12.9), (0.83, 11.0)] {
         assert!((height(Side::Posterior, across) - expected).abs() < 1e-2);
     }
-    // 15 % of the 12.8 mm there.
+    // 8 % off the 12.1 mm there.
     let border = height(Side::Posterior, 0.36);
-    assert!((10.0..11.5).contains(&border), "{border}");
+    assert!((10.8..11.5).contains(&border), "{border}");
 }
 
 /// The bounds on angles are those that the solver is meant to meet; the face count is promised within 10 %.
@@ -227,9 +228,13 @@ fn leaflets_have_area_to_spare() {
     let healthy = area_mm2(&valve(Preset::Healthy, 10_000));
     let ratio = healthy / annulus_area_mm2(&ValveParameters::default());
     assert!((1.5..1.9).contains(&ratio), "{ratio}");
-    // Functional regurgitation: 1.29 ± 0.15 (Chaput 2008), with leaflets 1.0 to 1.1 times the healthy ones.
+    // Functional regurgitation: 1.29 ± 0.15, with leaflets 1.0 to 1.35 times the healthy ones (Chaput 2008).
     let dilated = area_mm2(&valve(Preset::Dilated, 10_000));
-    assert!((1.0..1.1).contains(&(dilated / healthy)), "{}", dilated / healthy);
+    assert!(
+        (1.0..1.35).contains(&(dilated / healthy)),
+        "{}",
+        dilated / healthy
+    );
     let ratio = dilated / annulus_area_mm2(&ValveParameters::preset(Preset::Dilated));
     assert!((1.14..1.44).contains(&ratio), "{ratio}");
 }
@@ -276,11 +281,11 @@ fn the_closed_target_is_reachable() {
     let gap = (closed.at(Side::Anterior, 0.5, 1.0) - closed.at(Side::Posterior, 0.5, 1.0)).norm();
     // P2 is not quite in the middle of the posterior margin: P1 is higher than P3.
     assert!(gap < 1.0, "{gap}");
-    // 0.64 of 28 mm from the anterior hinge, 4.5 mm below the mean annulus, hanging 6 mm.
+    // 0.64 of 28 mm from the anterior hinge, 7 mm below the mean annulus, hanging 5.5 mm.
     let margin = closed.at(Side::Anterior, 0.5, 1.0);
     assert!((margin.y + 11.2 - 17.92).abs() < 0.1, "{margin:?}");
     assert!(
-        (surface.annulus.mean_height_mm() - margin.z - 10.5).abs() < 0.1,
+        (surface.annulus.mean_height_mm() - margin.z - 12.5).abs() < 0.1,
         "{margin:?}"
     );
 }

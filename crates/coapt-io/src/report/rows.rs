@@ -1,0 +1,150 @@
+//! The rows of the table that a person reads, grouped by what they speak of.
+
+use coapt::measure::Measures;
+
+use super::Outcome;
+
+/// A row of the table.
+pub(super) struct Row {
+    pub(super) name: String,
+    pub(super) unit: &'static str,
+    /// Digits after the decimal point: no more than a mesh of this kind can resolve.
+    pub(super) digits: usize,
+    pub(super) value: f64,
+}
+
+/// Rows under a heading.
+pub(super) struct Group {
+    pub(super) title: &'static str,
+    pub(super) rows: Vec<Row>,
+}
+
+pub(super) fn row(name: impl Into<String>, unit: &'static str, digits: usize, value: f64) -> Row {
+    Row {
+        name: name.into(),
+        unit,
+        digits,
+        value,
+    }
+}
+
+pub(super) fn groups(outcome: &Outcome) -> Vec<Group> {
+    let m = &outcome.measures;
+    vec![
+        Group {
+            title: "Competence",
+            rows: vec![
+                row("regurgitant orifice area", "mm²", 1, m.orifice.area_mm2),
+                row("holes", "", 0, m.orifice.count as f64),
+                row("widest gap", "mm", 1, m.orifice.max_gap_mm),
+            ],
+        },
+        Group {
+            title: "Coaptation",
+            rows: vec![
+                row("contact area", "mm²", 1, m.coaptation.area_mm2),
+                row("coaptation length, mean", "mm", 1, m.coaptation.length_mean_mm),
+                row("coaptation length, largest", "mm", 1, m.coaptation.length_max_mm),
+                row("line of closure", "mm", 1, m.coaptation.closure_line_mm),
+            ],
+        },
+        Group {
+            title: "Annulus",
+            rows: annulus(m),
+        },
+        Group {
+            title: "Tenting and billow",
+            rows: vec![
+                row("tenting height", "mm", 1, m.tenting.height_mm),
+                row("tenting area, mid-section", "mm²", 1, m.tenting.area_mm2),
+                row("tenting volume", "mL", 2, m.tenting.volume_ml),
+                row("billow height", "mm", 1, m.billow.height_mm),
+                row("billow volume", "mL", 2, m.billow.volume_ml),
+            ],
+        },
+        Group {
+            title: "Leaflets",
+            rows: leaflets(m),
+        },
+        Group {
+            title: "Chordae",
+            rows: chordae(m),
+        },
+        Group {
+            title: "Force on the heart",
+            rows: reactions(m),
+        },
+    ]
+}
+
+fn annulus(m: &Measures) -> Vec<Row> {
+    let a = &m.annulus;
+    vec![
+        row("anteroposterior diameter", "mm", 1, a.ap_mm),
+        row("commissural width", "mm", 1, a.commissural_mm),
+        row("intertrigonal distance", "mm", 1, a.intertrigonal_mm),
+        row("circumference", "mm", 1, a.circumference_mm),
+        row("area, projected", "mm²", 0, a.area_2d_mm2),
+        row("area, in space", "mm²", 0, a.area_3d_mm2),
+        row("height", "mm", 1, a.height_mm),
+        row("height / commissural width (AHCWR)", "%", 1, 100.0 * a.ahcwr),
+        row("non-planarity angle", "°", 0, a.nonplanarity_angle_deg),
+    ]
+}
+
+fn leaflets(m: &Measures) -> Vec<Row> {
+    let rows = m.leaflets.iter().flat_map(|leaflet| {
+        let name = &leaflet.name;
+        [
+            row(format!("{name}: area, open"), "mm²", 0, leaflet.area_rest_mm2),
+            row(format!("{name}: area, closed"), "mm²", 0, leaflet.area_mm2),
+            row(
+                format!("{name}: strain, 95th percentile"),
+                "%",
+                1,
+                100.0 * leaflet.strain_p95,
+            ),
+        ]
+    });
+    rows.collect()
+}
+
+fn chordae(m: &Measures) -> Vec<Row> {
+    if m.chords.groups.is_empty() {
+        return Vec::new();
+    }
+    let mut rows = vec![
+        row("all: total tension", "N", 2, m.chords.total_force_n),
+        row("all: largest tension", "N", 2, m.chords.max_force_n),
+    ];
+    for group in &m.chords.groups {
+        rows.push(row(
+            format!("{}: total tension", group.name),
+            "N",
+            2,
+            group.total_force_n,
+        ));
+        rows.push(row(
+            format!("{}: largest tension", group.name),
+            "N",
+            2,
+            group.max_force_n,
+        ));
+    }
+    rows
+}
+
+fn reactions(m: &Measures) -> Vec<Row> {
+    let size = |force: [f64; 3]| force.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let muscles = m.papillary.iter().map(|muscle| {
+        row(
+            format!("{} papillary muscle", muscle.name),
+            "N",
+            2,
+            size(muscle.force_n),
+        )
+    });
+    let mut rows: Vec<Row> = muscles.collect();
+    rows.push(row("annulus", "N", 2, size(m.annulus_force_n)));
+    rows
+}
