@@ -83,7 +83,7 @@ fn expectations(case: &Path) -> (Vec<Expectation>, bool) {
         found.1 |= accepted;
     }
     assert!(
-        found.1 != !found.0.is_empty(),
+        found.1 == found.0.is_empty(),
         "{name} must say either what is told of it or `# expect accepted`: {found:#?}"
     );
     found

@@ -357,6 +357,11 @@ mod tests {
                 "f:3:1: duplicate key",
             ),
             ("schema_version = \n", "f:1:18: "),
+            ("schema_version = 1,5\n", "f:1:19: decimal comma"),
+            (
+                "schema_version = 1\nrepair = [{ size_mm = 3\nname = \"a\"\n",
+                "f:3:1: unclosed",
+            ),
             ("name = \"a\"", "f:1:1: the key `schema_version` is missing"),
             ("{\"schema_version\": 1, \"name\": \"a\",}", "f:1:35: "),
             (
