@@ -141,18 +141,19 @@ impl Planned {
 }
 
 /// Closes a valve, and once more from the open state after the repairs.
-fn close(model: Model, warnings: Vec<Fault>, planned: Option<&Planned>) -> Result<Closure, Failure> {
-    let mut closure = Closure {
-        before: timed(model),
-        after: None,
-        repairs: Vec::new(),
-        warnings,
-    };
+fn close(model: Model, mut warnings: Vec<Fault>, planned: Option<&Planned>) -> Result<Closure, Failure> {
+    let mut repairs = Vec::new();
     let Some(planned) = planned else {
-        return Ok(closure);
+        return Ok(Closure {
+            before: timed(model),
+            after: None,
+            repairs,
+            warnings,
+        });
     };
-    closure.warnings.extend(planned.warnings.iter().cloned());
-    let mut model = closure.before.model.clone();
+    warnings.extend(planned.warnings.iter().cloned());
+    // All repairs before any closing: a wrong plan is told at once.
+    let mut repaired_model = model.clone();
     for (number, deed) in planned.plan.repair.iter().enumerate() {
         let locate = |faults: &[Fault]| -> Vec<Fault> {
             faults
@@ -160,13 +161,17 @@ fn close(model: Model, warnings: Vec<Fault>, planned: Option<&Planned>) -> Resul
                 .map(|fault| planned.located(number, fault))
                 .collect()
         };
-        let repaired = repair::apply(&model, deed).map_err(|faults| locate(&faults))?;
-        closure.warnings.extend(locate(&repaired.warnings));
-        closure.repairs.push(repaired.report);
-        model = repaired.model;
+        let repaired = repair::apply(&repaired_model, deed).map_err(|faults| locate(&faults))?;
+        warnings.extend(locate(&repaired.warnings));
+        repairs.push(repaired.report);
+        repaired_model = repaired.model;
     }
-    closure.after = Some(timed(model));
-    Ok(closure)
+    Ok(Closure {
+        before: timed(model),
+        after: Some(timed(repaired_model)),
+        repairs,
+        warnings,
+    })
 }
 
 fn timed(model: Model) -> Closed {

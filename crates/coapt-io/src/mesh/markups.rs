@@ -151,9 +151,12 @@ pub(super) fn curve(text: &[u8], faults: &mut Faults) -> Result<Curve, Stop> {
 
 fn parse(text: &[u8], faults: &mut Faults) -> Result<File, Stop> {
     let file: File = serde_json::from_slice(text).map_err(|error| {
+        let told = error.to_string();
+        // The place stands before it already.
+        let message = told.split(" at line ").next().unwrap_or(&told);
         faults.fatal(
             Place::Line(error.line()),
-            format!("column {}: {error}", error.column()),
+            format!("column {}: {message}", error.column()),
         )
     })?;
     if !file.schema.to_ascii_lowercase().contains("markups-schema-v1.") {

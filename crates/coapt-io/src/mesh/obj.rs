@@ -34,7 +34,12 @@ pub(super) fn read(bytes: &[u8], faults: &mut Faults) -> Result<PolyData, Stop> 
         match words.next() {
             Some(b"v") => read_point(&mut mesh, words, line, faults)?,
             Some(kind @ (b"f" | b"l")) => {
+                let errors = faults.error_count();
                 let corners = read_corners(words, mesh.points.len(), line, faults)?;
+                // A face with a wrong corner is told already; what is left of it is no face.
+                if faults.error_count() > errors {
+                    continue;
+                }
                 let into = if kind == b"f" {
                     &mut elements.faces
                 } else {

@@ -42,6 +42,9 @@ pub fn read_text(path: &Path) -> Result<String, Fault> {
             SIZE_LIMIT_BYTES >> 20
         )));
     }
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return Err(fault("is text in UTF-16; save it as UTF-8".into()));
+    }
     let text = String::from_utf8(bytes).map_err(|error| {
         let line = error.as_bytes()[..error.utf8_error().valid_up_to()]
             .iter()
@@ -109,10 +112,7 @@ fn parse_toml<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Faul
     let at = |span: Option<Range<usize>>| place(file, text, span.map_or(0, |span| span.start));
     let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
-        let told = errors.iter().take(FAULT_LIMIT);
-        return Err(told
-            .map(|error| Fault::error(at(error.span()), error.message()))
-            .collect());
+        return Err(syntax_faults(file, text, &errors));
     }
     if let Some(version) = table.get_ref().get("schema_version")
         && let DeValue::Integer(number) = version.get_ref()
@@ -128,9 +128,54 @@ fn parse_toml<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Faul
         found.sort_by_key(|(byte, _)| *byte);
         found
             .into_iter()
-            .map(|(byte, message)| Fault::error(place(file, text, byte), message))
+            .map(|(byte, message)| {
+                Fault::error(place(file, text, byte), syntax(text, &(byte..byte), &message))
+            })
             .collect()
     })
+}
+
+/// Syntax faults in our words. After a bracket that nobody closes every line looks wrong, and only the first is told.
+fn syntax_faults(file: &str, text: &str, errors: &[toml::de::Error]) -> Vec<Fault> {
+    let start = |error: &toml::de::Error| error.span().map_or(0, |span| span.start);
+    if let Some(unclosed) = errors
+        .iter()
+        .find(|error| error.message().starts_with("unclosed"))
+    {
+        let first = errors.iter().map(start).min().unwrap_or(0);
+        let message = format!("{}; it begins before this", unclosed.message());
+        return vec![Fault::error(place(file, text, first), message)];
+    }
+    let told = errors.iter().take(FAULT_LIMIT).map(|error| {
+        let span = error.span().unwrap_or(0..0);
+        Fault::error(
+            place(file, text, span.start),
+            syntax(text, &span, error.message()),
+        )
+    });
+    told.collect()
+}
+
+/// What a syntax fault at these bytes is, where its words alone do not help.
+fn syntax(text: &str, span: &Range<usize>, message: &str) -> String {
+    let digit = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_digit);
+    let bytes = text.as_bytes();
+    let comma = span.start.min(bytes.len())..bytes.len().min(span.start.saturating_add(2));
+    let after_digit = span.start > 0 && digit(bytes.get(span.start - 1));
+    match bytes.get(comma) {
+        Some([b',', next]) if after_digit && digit(Some(next)) => {
+            "decimal comma; write numbers with \".\"".to_owned()
+        }
+        _ if message.contains("number overflowed") => {
+            let word: String = text.get(span.start..).unwrap_or("").chars().take(40).collect();
+            let end = word.find(|c: char| !(c.is_ascii_alphanumeric() || "+-._".contains(c)));
+            format!(
+                "`{}` is too large for a number",
+                &word[..end.unwrap_or(word.len())]
+            )
+        }
+        _ => message.to_owned(),
+    }
 }
 
 /// The value, or what is wrong and at which byte. An unknown key is told and taken out, so that the next one is
@@ -147,12 +192,38 @@ fn deserialize<T: DeserializeOwned>(mut table: Spanned<DeTable<'_>>) -> Result<T
         let whole = table.span();
         let span = error.span().unwrap_or(whole.clone());
         let removed = unknown.and_then(|key| take_out(table.get_mut(), &whole, &key, span.clone()));
+        let span = value_in(&table, &span, error.message()).unwrap_or(span);
         let go_on = removed.is_some() && found.len() + 1 < FAULT_LIMIT;
         found.push((removed.unwrap_or(span).start, message));
         if !go_on {
             return Err(found);
         }
     }
+}
+
+/// Where a wrong value stands, if the reader lost track of it: in tables that a tag tells apart, it names the table.
+fn value_in(table: &Spanned<DeTable<'_>>, span: &Range<usize>, message: &str) -> Option<Range<usize>> {
+    let word = message.strip_prefix("unknown variant `")?.split('`').next()?;
+    fn find(table: &DeTable<'_>, inside: bool, span: &Range<usize>, word: &str) -> Option<Range<usize>> {
+        table
+            .iter()
+            .find_map(|(_, value)| find_value(value, inside, span, word))
+    }
+    fn find_value(
+        value: &Spanned<DeValue<'_>>,
+        inside: bool,
+        span: &Range<usize>,
+        word: &str,
+    ) -> Option<Range<usize>> {
+        let here = inside || value.span() == *span;
+        match value.get_ref() {
+            DeValue::String(text) if here && text == word => Some(value.span()),
+            DeValue::Table(table) => find(table, here, span, word),
+            DeValue::Array(items) => items.iter().find_map(|item| find_value(item, here, span, word)),
+            _ => None,
+        }
+    }
+    find(table.get_ref(), table.span() == *span, span, word)
 }
 
 /// Removes the key that an error at `span` speaks of and gives its place: the key itself stands there, or, where
@@ -199,6 +270,13 @@ pub(super) fn plain(message: &str) -> (String, Option<String>) {
         _ if message.starts_with("missing field") && quoted.len() == 1 => {
             return (format!("the key `{}` is missing", quoted[0]), None);
         }
+        _ if message == "expected value" => {
+            return (
+                "expected a value; JSON has no NaN and no Infinity".to_owned(),
+                None,
+            );
+        }
+        _ if message.starts_with("invalid type") => return (in_plain_types(message), None),
         _ => return (message.to_owned(), None),
     };
     let [word, known @ ..] = &quoted[..] else {
@@ -212,6 +290,23 @@ pub(super) fn plain(message: &str) -> (String, Option<String>) {
         format!("unknown {noun} `{word}`; {advice}"),
         is_key.then(|| (*word).to_owned()),
     )
+}
+
+/// `invalid type: sequence, expected f64` says little to who does not write programs.
+fn in_plain_types(message: &str) -> String {
+    let words = [
+        ("expected f64", "expected a number"),
+        ("expected u32", "expected a whole number, 0 or above"),
+        ("expected i64", "expected a whole number"),
+        ("expected struct ", "expected a table: "),
+        ("type: sequence", "type: list"),
+        ("type: map", "type: table"),
+        ("expected a sequence", "expected a list"),
+        ("an array of length", "a list of length"),
+        ("floating point", "number"),
+    ];
+    let plain = |told: String, (theirs, ours): (&str, &str)| told.replacen(theirs, ours, 1);
+    words.into_iter().fold(message.to_owned(), plain)
 }
 
 /// Line and column of a byte, both from 1; columns count letters.
@@ -262,6 +357,11 @@ mod tests {
                 "f:3:1: duplicate key",
             ),
             ("schema_version = \n", "f:1:18: "),
+            ("schema_version = 1,5\n", "f:1:19: decimal comma"),
+            (
+                "schema_version = 1\nrepair = [{ size_mm = 3\nname = \"a\"\n",
+                "f:3:1: unclosed",
+            ),
             ("name = \"a\"", "f:1:1: the key `schema_version` is missing"),
             ("{\"schema_version\": 1, \"name\": \"a\",}", "f:1:35: "),
             (

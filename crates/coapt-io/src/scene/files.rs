@@ -119,7 +119,7 @@ impl Files {
         match (self.space, self.marked_ras.first()) {
             (Space::LPS, Some(ras)) => {
                 let message = format!(
-                    "`{ras}` is marked RAS and `{unmarked}` has no SPACE mark: the parts might not fit together; mark \
+                    "is unclear: `{ras}` is marked RAS and `{unmarked}` has no SPACE mark: the parts might not fit together; mark \
                      it, or say `space = \"RAS\"` if unmarked files and coordinates are in RAS too"
                 );
                 self.error("space", message);

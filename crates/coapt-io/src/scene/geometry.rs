@@ -31,6 +31,7 @@ pub(super) fn fill_leaflet(number: usize, leaflet: &mut Leaflet, annulus: &Annul
     let Some(data) = files.mesh(&key, &file) else {
         return;
     };
+    let is_whole = leaflet.region.is_none();
     let faces = match leaflet.region.take() {
         None => data.triangles.clone(),
         Some(region) => match of_region(&data, region) {
@@ -41,7 +42,15 @@ pub(super) fn fill_leaflet(number: usize, leaflet: &mut Leaflet, annulus: &Annul
     if faces.is_empty() {
         return files.error(&key, format!("is `{file}`, which holds lines and no triangles"));
     }
-    leaflet.mesh = Some(surface(&data, faces, annulus, &key, files));
+    let mesh = surface(&data, faces, annulus, &key, files);
+    let unused = data.points.len() - mesh.points_mm.len();
+    // The other points of a file with several leaflets or with chordae are another's.
+    if unused > 0 && is_whole && data.lines.is_empty() {
+        let message =
+            format!("is `{file}`, in which {unused} points belong to no triangle; they are left out");
+        files.warning(&key, message);
+    }
+    leaflet.mesh = Some(mesh);
 }
 
 /// The triangles whose cell array `leaflet` has this value.

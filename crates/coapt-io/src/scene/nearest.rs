@@ -1,9 +1,22 @@
 //! "Did you mean": the known word nearest to a wrong one.
 
-/// The known word with the fewest edits to `word`, if they are few enough to be a slip: a third of its letters.
+/// The known word with the fewest edits to `word`, if they are few enough to be a slip: a third of its letters. Also
+/// the only one that goes on after it, as where the unit was left out: `size` for `size_mm`.
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wrong = word.to_lowercase();
     let limit = (wrong.chars().count() / 3).max(1);
+    let known: Vec<&str> = known.into_iter().collect();
+    let goes_on = |candidate: &&&str| {
+        let rest = candidate.to_lowercase();
+        !wrong.is_empty()
+            && rest
+                .strip_prefix(&wrong)
+                .is_some_and(|rest| rest.starts_with(['_', '-']))
+    };
+    let mut longer = known.iter().filter(goes_on);
+    if let (Some(only), None) = (longer.next(), longer.next()) {
+        return Some(only);
+    }
     let measured = known
         .into_iter()
         .map(|candidate| (edits(&wrong, &candidate.to_lowercase()), candidate));
@@ -50,11 +63,14 @@ mod tests {
             ("Tissue", Some("tissue")),
             ("mesh-file", Some("mesh_file")),
             ("nmae", Some("name")),
+            ("thickness", Some("thickness_mm")),
+            ("mesh", Some("mesh_file")),
             ("colour", None),
             ("", None),
         ] {
             assert_eq!(nearest(word, known), expected, "{word}");
         }
+        assert_eq!(nearest("pressure", ["pressure_mmhg", "pressure_kpa"]), None);
         assert_eq!(edits("kitten", "sitting"), 3);
     }
 }

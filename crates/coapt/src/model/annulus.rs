@@ -1,6 +1,7 @@
 //! Which boundary is annulus, and what is left as free margin.
 
 use super::Margin;
+use super::annulus_checks;
 use super::faults::{Faults, some};
 use super::surface::Surface;
 use crate::Vec3;
@@ -41,6 +42,9 @@ pub(crate) fn find(
     if let Some(curve) = &scene.annulus.curve_mm {
         let marked = near_curve(surface, loops, curve, &scene.annulus, faults)?;
         return from_marks(surface, loops, &marked, "annulus.curve_mm", faults);
+    }
+    if !annulus_checks::is_joined(surface, loops, faults) {
+        return None;
     }
     let far = |chain: &Chain| match tips {
         [] => polyline::length(&positions(surface, &chain.vertices), true),
@@ -153,7 +157,7 @@ fn from_marks(
     }
 }
 
-fn smallest_gap(surface: &Surface, sets: &[Vec<u32>]) -> f64 {
+pub(super) fn smallest_gap(surface: &Surface, sets: &[Vec<u32>]) -> f64 {
     let [first, rest @ ..] = sets else {
         return f64::INFINITY;
     };
@@ -208,7 +212,7 @@ fn along(
         Some(gap) => {
             let [a, b] = [gap.0, gap.0 + gap.1].map(|i| surface.point_name(ring.vertices[i % count]));
             let message = format!(
-                "the annulus is open: {} gaps, the longest {:.2} mm from {a} to {b}; expected a closed loop",
+                "the annulus is open; {} gaps, the longest {:.2} mm from {a} to {b}; expected a closed loop",
                 gaps.len(),
                 arc(gap)
             );
@@ -283,7 +287,7 @@ pub(super) mod tests {
         assert!(told(
             &faults(&scene),
             "annulus_points",
-            &format!("1 gaps, the longest {size:.2} mm")
+            &format!("open; 1 gaps, the longest {size:.2} mm")
         ));
     }
 

@@ -5,7 +5,7 @@ use super::chordae::{self, Strung};
 use super::faults::Faults;
 use super::surface::{self, Surface};
 use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
-use super::{cleaning, facing, springs, validate};
+use super::{annulus_checks, cleaning, facing, springs, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
 use crate::mesh::polyline;
@@ -54,7 +54,9 @@ impl Model {
         facing::face_atrium(&mut surface, &mut found, &mut loops, &tips, &mut faults);
         let strung = chordae::string(scene, &surface.points, &tips, &mut faults);
         check_ties(&surface, &edges, &found, &strung, &mut faults);
+        annulus_checks::check_insertions(&surface, &found, &strung.chords.ends, &mut faults);
         faults.stop()?;
+        annulus_checks::tell_holes(&surface, &found, &loops, &mut faults);
         let model = assemble(scene, &surface, &edges, &found, &loops, strung, &mut faults);
         faults.stop()?;
         Ok(Built {

@@ -60,14 +60,15 @@ fn twins(surface: &Surface, faults: &mut Faults) -> Vec<bool> {
         let mut key = face;
         key.sort_unstable();
         let first = *first_of.entry(key).or_insert(number);
-        if from_lowest(surface.faces[first]) != from_lowest(face) {
+        let alike = from_lowest(surface.faces[first]) == from_lowest(face);
+        if !alike {
             let message = format!(
                 "is the back of {}; which side is meant is unclear",
                 surface.face_name(first)
             );
             faults.error(surface.face_name(number), message);
         }
-        twins[number] = first != number;
+        twins[number] = alike && first != number;
     }
     twins
 }
@@ -161,14 +162,16 @@ pub(crate) fn check_shape(surface: &mut Surface, faults: &mut Faults) -> Edges {
             faults.warning(
                 "leaflets",
                 format!(
-                    "{} triangles wound against their neighbours: {names}",
+                    "{} triangles wound against their neighbours are turned: {names}",
                     turned.len()
                 ),
             );
         }
         Err([a, b]) => {
-            let message =
-                format!("the surface has one side only; its winding cannot agree at the edge to {b}");
+            let message = format!(
+                "the surface has one side only; its winding cannot agree at the edge to {}",
+                surface.point_name(b)
+            );
             faults.error(surface.point_name(a), message);
         }
     }

@@ -1,6 +1,7 @@
 //! Everything that stays constant while the valve relaxes.
 
 mod annulus;
+mod annulus_checks;
 mod attachment;
 mod build;
 mod chord_checks;

@@ -157,9 +157,9 @@ fn chord_group(group: &ChordGroup, place: &str, faults: &mut Faults) {
 }
 
 fn pressure(scene: &Scene, faults: &mut Faults) {
-    let (place, pressure) = match (scene.load.pressure_mmhg, scene.load.pressure_kpa) {
-        (Some(mmhg), None) => ("load.pressure_mmhg", mmhg),
-        (None, Some(kpa)) => ("load.pressure_kpa", kpa),
+    let (place, unit, pressure) = match (scene.load.pressure_mmhg, scene.load.pressure_kpa) {
+        (Some(mmhg), None) => ("load.pressure_mmhg", "mmHg", mmhg),
+        (None, Some(kpa)) => ("load.pressure_kpa", "kPa", kpa),
         (Some(_), Some(_)) => {
             return faults.error("load", "has a pressure in mmHg and in kPa, expected one of them");
         }
@@ -170,10 +170,17 @@ fn pressure(scene: &Scene, faults: &mut Faults) {
             );
         }
     };
-    not_negative(pressure, place, "", faults);
+    not_negative(pressure, place, unit, faults);
     let mmhg = scene.load.pressure_mpa().unwrap_or(0.0) / crate::scene::MMHG_MPA;
     if mmhg > DOUBTFUL_PRESSURE_MMHG {
-        let message = format!("is {mmhg:.0} mmHg, expected below {DOUBTFUL_PRESSURE_MMHG}; check the unit");
+        let converted = if unit == "mmHg" {
+            String::new()
+        } else {
+            format!(" = {mmhg:.0} mmHg")
+        };
+        let message = format!(
+            "is {pressure} {unit}{converted}, expected below {DOUBTFUL_PRESSURE_MMHG} mmHg; check the unit"
+        );
         faults.warning(place, message);
     }
 }

@@ -74,9 +74,10 @@ fn measured_candidates(ring: &Ring, points: &[[f64; 3]], faults: &mut Vec<Fault>
         .iter()
         .position(|p| p.iter().any(|c| !c.is_finite() || c.abs() > 1e6))
     {
+        let [x, y, z] = points[bad];
         faults.push(Fault::error(
             format!("{place} point {bad}"),
-            "is not finite millimetres",
+            format!("is ({x}, {y}, {z}), expected finite millimetres"),
         ));
         return Vec::new();
     }
@@ -182,7 +183,7 @@ mod tests {
         refused(&curve(&crossed), "crosses itself");
         let mut bad = round;
         bad[7].x = f64::NAN;
-        refused(&curve(&bad), "not finite");
+        refused(&curve(&bad), "expected finite millimetres");
     }
 
     #[test]
