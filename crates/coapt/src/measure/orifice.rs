@@ -71,7 +71,16 @@ pub(super) fn orifice(model: &Model, s: &Surface, gaps: &Gaps, seal: &Seal) -> O
         let gap = widest(&rim);
         let facing = rim.iter().flat_map(|r| &r.facing_mm).copied().fold(0.0, f64::max);
         if is_one_sided(&rim) || (rim.len() > 1 && facing < FACING_PART * gap) {
-            if facing > contact + ONE_SIDED_EDGES * s.mean_edge_mm {
+            let lonely = rim
+                .iter()
+                .all(|one| !stretches.iter().any(|other| lies_across(one, other, facing)));
+            if facing
+                > if lonely {
+                    contact + ONE_SIDED_EDGES * s.mean_edge_mm
+                } else {
+                    least
+                }
+            {
                 m.area_mm2 += rim.iter().map(|r| 0.5 * strip_area_mm2(r)).sum::<f64>();
                 m.count += 1;
                 m.max_gap_mm = m.max_gap_mm.max(facing);
@@ -92,6 +101,18 @@ fn is_one_sided(rim: &[&Stretch]) -> bool {
         [only] => !only.closed && only.leaflets.iter().fold(u64::MAX, |all, at| all & at) != 0,
         _ => false,
     }
+}
+
+/// Whether an open margin of another leaflet lies about as near as the tissue that an open margin faces.
+fn lies_across(one: &Stretch, other: &Stretch, facing_mm: f64) -> bool {
+    let leaflets = |stretch: &Stretch| stretch.leaflets.iter().fold(u64::MAX, |all, at| all & at);
+    let near = |a: &Vec3| {
+        other
+            .points
+            .iter()
+            .any(|b| (a - b).norm() <= facing_mm / FACING_PART)
+    };
+    leaflets(one) & leaflets(other) == 0 && one.points.iter().any(near)
 }
 
 /// Area between an open margin and the nearest tissue of another leaflet, by the trapezoidal rule [mm²].
