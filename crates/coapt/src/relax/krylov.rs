@@ -10,7 +10,7 @@ use crate::Vec3;
 /// and far away it cannot use more.
 const TOLERANCE: f64 = 1e-4;
 /// Or after so many products.
-const LIMIT: usize = 60;
+const LIMIT: usize = 30;
 
 /// Solves A x = b, given the product with A and the solution with a matrix near A. Shape `[size]`.
 pub fn solve(

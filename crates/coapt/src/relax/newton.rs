@@ -35,7 +35,7 @@ const LEAST_DAMPING: f64 = 1e-7;
 /// So often the solver leaves an unstable balance of forces before it reports one.
 const ESCAPE_LIMIT: u32 = 30;
 /// How far it then pushes, as a part of the longest step [1].
-const ESCAPE_STEP: f64 = 0.1;
+const ESCAPE_STEP: f64 = 0.5;
 /// Inverse iterations that find the direction; a rough one will do.
 const INVERSE_ITERATIONS: u32 = 8;
 /// A line search gives up after so many halvings.
@@ -415,11 +415,21 @@ impl<'a> Solver<'a> {
             return false;
         }
         let push = ESCAPE_STEP * self.step_limit_mm;
-        direction.iter_mut().for_each(|x| *x *= push);
-        let mut step = self.scatter(&direction, &vec![Vec3::zeros(); positions.len()]);
         self.cover(positions, push);
-        step_bound::shorten(&self.pairs.meeting(positions, &step), positions, &mut step);
-        advance(positions, &step, 1.0);
+        let merit = Merit::new(self.model, positions);
+        let ways = [push, -push].map(|push| {
+            let along: Vec<Vec3> = direction.iter().map(|x| x * push).collect();
+            let mut step = self.scatter(&along, &vec![Vec3::zeros(); positions.len()]);
+            step_bound::shorten(&self.pairs.meeting(positions, &step), positions, &mut step);
+            advance(&mut step, positions, 1.0);
+            (
+                merit.value(self.model, &self.pairs.touching(positions, &step), &step),
+                step,
+            )
+        });
+        let [there, back] = ways;
+        let (_, end) = if there.0 <= back.0 { there } else { back };
+        positions.copy_from_slice(&end);
         self.near = self.pairs.touching(positions, positions);
         true
     }
