@@ -12,8 +12,8 @@ use crate::model::Model;
 pub struct Certificate {
     /// Largest force left on a free vertex over the mean nodal pressure force [1].
     pub residual: f64,
-    /// Whether the exact tangent is positive definite: a small push is answered by a small motion. Sufficient
-    /// for stability, since an antisymmetric part of the tangent cannot undo it.
+    /// Whether a small push is answered by a return: the symmetric part of the tangent is positive definite, or,
+    /// failing that, every eigenvalue of the whole tangent has a positive real part; see [`super::stability`].
     pub stable: bool,
     /// Edges that pass through faces, by exact arithmetic. Must be empty.
     pub crossings: Vec<Crossing>,

@@ -6,17 +6,16 @@
 
 use crate::Vec3;
 
-/// Stop when the residual has fallen to this part of the right-hand side [1]. Newton squares its error at best,
-/// and far away it cannot use more.
-const TOLERANCE: f64 = 1e-4;
-/// Or after so many products.
+/// The most products of one solution.
 const LIMIT: usize = 30;
 
-/// Solves A x = b, given the product with A and the solution with a matrix near A. Shape `[size]`.
+/// Solves A x = b, given the product with A and the solution with a matrix near A, until the residual has fallen to
+/// `tolerance` times the right-hand side. Shape `[size]`.
 pub fn solve(
     multiply: impl Fn(&[Vec3]) -> Vec<Vec3>,
     precondition: impl Fn(&[Vec3]) -> Vec<Vec3>,
     right: &[Vec3],
+    tolerance: f64,
 ) -> Vec<Vec3> {
     let norm = dot(right, right).sqrt();
     if norm == 0.0 {
@@ -49,7 +48,7 @@ pub fn solve(
         let last = remainder[step];
         remainder[step] = cosine * last;
         remainder.push(-sine * last);
-        if remainder[step + 1].abs() <= TOLERANCE * norm {
+        if remainder[step + 1].abs() <= tolerance * norm {
             break;
         }
         basis.push(scaled(&next, 1.0 / length));

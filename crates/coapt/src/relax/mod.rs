@@ -6,6 +6,7 @@ pub mod cholesky;
 pub mod krylov;
 pub mod load;
 pub mod newton;
+pub mod stability;
 
 use crate::Vec3;
 use crate::model::Model;

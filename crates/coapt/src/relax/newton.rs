@@ -10,7 +10,7 @@ use super::certificate::certify;
 use super::cholesky::{Factor, Symbolic};
 use super::krylov;
 use super::load::{self, FreeSink, Merit, PRESCRIBED};
-use super::{Equilibrium, Iteration, Status};
+use super::{Equilibrium, Iteration, Status, stability};
 use crate::Vec3;
 use crate::contact::crossing::crossings;
 use crate::contact::pairs::{Pair, PairList, largest_distance};
@@ -27,6 +27,10 @@ const STEP_LIMIT: f64 = 0.01;
 const STEP_LIMIT_EDGES: f64 = 0.5;
 /// The exact tangent is tried from this residual on: farther out it is indefinite nearly always.
 const EXACT_BELOW: f64 = 0.3;
+/// Relative residual of a Newton step [1]: Newton squares its error at best, and far away it cannot use more.
+const NEWTON_TOLERANCE: f64 = 1e-4;
+/// Relative residual of the solutions that eigenvalues are found from [1].
+const EIGEN_TOLERANCE: f64 = 1e-9;
 /// The exact tangent is tried with this many dampings, each so many times the last.
 const EXACT_TRIES: u32 = 4;
 const DAMPING_RISE: f64 = 8.0;
@@ -34,6 +38,8 @@ const DAMPING_RISE: f64 = 8.0;
 const LEAST_DAMPING: f64 = 1e-7;
 /// So often the solver leaves an unstable balance of forces before it reports one.
 const ESCAPE_LIMIT: u32 = 30;
+/// Shifts that make the tangent definite are sought in steps of this factor [1].
+const SHIFT_RISE: f64 = 2.0;
 /// How far it then pushes, as a part of the longest step [1].
 const ESCAPE_STEP: f64 = 0.5;
 /// Inverse iterations that find the direction; a rough one will do.
@@ -203,7 +209,7 @@ impl<'a> Solver<'a> {
             let right = self.assemble(positions, gradient, motion, Curvature::Exact);
             for _ in 0..EXACT_TRIES {
                 if let Some(factor) = self.factorise() {
-                    let solution = self.solve_unsymmetric(&factor, positions, &right);
+                    let solution = self.solve_unsymmetric(&factor, positions, &right, NEWTON_TOLERANCE);
                     return (self.scatter(&solution, motion), true);
                 }
                 self.damping = (self.damping * DAMPING_RISE).max(self.least_damping);
@@ -220,7 +226,13 @@ impl<'a> Solver<'a> {
     }
 
     /// Solves with the true tangent: the factorised symmetric one plus what pressure on the free margin adds.
-    fn solve_unsymmetric(&self, factor: &Factor, positions: &[Vec3], right: &[Vec3]) -> Vec<Vec3> {
+    fn solve_unsymmetric(
+        &self,
+        factor: &Factor,
+        positions: &[Vec3],
+        right: &[Vec3],
+        tolerance: f64,
+    ) -> Vec<Vec3> {
         let shift = |index: usize| self.damping * self.weight_mm2[index];
         let multiply = |vector: &[Vec3]| {
             let mut product = self.matrix.multiply(vector);
@@ -236,7 +248,12 @@ impl<'a> Solver<'a> {
             }
             product
         };
-        krylov::solve(multiply, |vector| self.symbolic.solve(factor, vector), right)
+        krylov::solve(
+            multiply,
+            |vector| self.symbolic.solve(factor, vector),
+            right,
+            tolerance,
+        )
     }
 
     fn factorise(&self) -> Option<Factor> {
@@ -375,17 +392,37 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Whether the exact tangent is positive definite here.
+    /// Whether the valve stays where it is when pushed a little; see [`super::stability`].
     fn is_stable(&mut self, positions: &[Vec3], gradient: &[Vec3]) -> bool {
+        let Some(factor) = self.factorise_shifted(positions, gradient) else {
+            return false;
+        };
+        if self.damping == self.least_damping {
+            return true;
+        }
+        let solve = |right: &[Vec3]| self.solve_unsymmetric(&factor, positions, right, EIGEN_TOLERANCE);
+        let start = (0..self.free.len()).map(pseudo_random).collect();
+        stability::least_real_part(solve, &self.weight_mm2, self.damping, start) > 0.0
+    }
+
+    /// The exact tangent, factorised with the least damping that makes its symmetric part positive definite; that
+    /// damping stays set. Slack chord nodes have no stiffness at all: the least damping, far below any tissue's,
+    /// keeps them from counting.
+    fn factorise_shifted(&mut self, positions: &[Vec3], gradient: &[Vec3]) -> Option<Factor> {
         self.assemble(
             positions,
             gradient,
             &vec![Vec3::zeros(); positions.len()],
             Curvature::Exact,
         );
-        // Slack chord nodes have no stiffness at all; this much, far below any tissue's, keeps them from counting.
         self.damping = self.least_damping;
-        self.free.is_empty() || self.factorise().is_some()
+        (0..60).find_map(|_| {
+            let factor = self.factorise();
+            if factor.is_none() {
+                self.damping *= SHIFT_RISE;
+            }
+            factor
+        })
     }
 
     /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in
@@ -394,10 +431,7 @@ impl<'a> Solver<'a> {
         if self.is_stable(positions, gradient) {
             return false;
         }
-        let Some(factor) = (0..40).find_map(|_| {
-            self.damping *= DAMPING_RISE;
-            self.factorise()
-        }) else {
+        let Some(factor) = self.factorise_shifted(positions, gradient) else {
             return false;
         };
         let mut direction: Vec<Vec3> = (0..self.free.len()).map(pseudo_random).collect();
