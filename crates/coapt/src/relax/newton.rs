@@ -394,6 +394,9 @@ impl<'a> Solver<'a> {
 
     /// Whether the valve stays where it is when pushed a little; see [`super::stability`].
     fn is_stable(&mut self, positions: &[Vec3], gradient: &[Vec3]) -> bool {
+        if self.free.is_empty() {
+            return true;
+        }
         let Some(factor) = self.factorise_shifted(positions, gradient) else {
             return false;
         };
