@@ -7,6 +7,7 @@ pub mod krylov;
 pub mod load;
 pub mod newton;
 pub mod stability;
+mod system;
 
 use crate::Vec3;
 use crate::model::Model;

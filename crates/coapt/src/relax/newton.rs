@@ -5,18 +5,16 @@
 //! as contact allows, and the step is halved until the merit function falls. Near the equilibrium K is the
 //! exact tangent and a few products with the true, unsymmetric one sharpen the step.
 
-use super::block_matrix::BlockMatrix;
 use super::certificate::certify;
-use super::cholesky::{Factor, Symbolic};
-use super::krylov;
-use super::load::{self, FreeSink, Merit, PRESCRIBED};
+use super::load::{self, Merit};
+use super::system::System;
 use super::{Equilibrium, Iteration, Status, stability};
 use crate::Vec3;
 use crate::contact::crossing::crossings;
 use crate::contact::pairs::{Pair, PairList, largest_distance};
 use crate::contact::step_bound;
 use crate::contact::surface::Surface;
-use crate::energy::{Curvature, pressure};
+use crate::energy::Curvature;
 use crate::model::Model;
 use crate::state::State;
 
@@ -38,8 +36,6 @@ const DAMPING_RISE: f64 = 8.0;
 const LEAST_DAMPING: f64 = 1e-7;
 /// So often the solver leaves an unstable balance of forces before it reports one.
 const ESCAPE_LIMIT: u32 = 30;
-/// Shifts that make the tangent definite are sought in steps of this factor [1].
-const SHIFT_RISE: f64 = 2.0;
 /// How far it then pushes, as a part of the longest step [1].
 const ESCAPE_STEP: f64 = 0.5;
 /// Inverse iterations that find the direction; a rough one will do.
@@ -58,15 +54,9 @@ struct Solver<'a> {
     pairs: PairList,
     /// The pairs that may touch where the valve now is.
     near: Vec<Pair>,
-    rim: Vec<[u32; 2]>,
-    free: Vec<u32>,
-    free_index: Vec<u32>,
-    weight_mm2: Vec<f64>,
-    matrix: BlockMatrix,
-    symbolic: Symbolic,
+    system: System<'a>,
     reference_force_n: f64,
     step_limit_mm: f64,
-    damping: f64,
     least_damping: f64,
 }
 
@@ -86,40 +76,21 @@ pub(super) fn relax(model: &Model, start: &State) -> Equilibrium {
 impl<'a> Solver<'a> {
     fn new(model: &'a Model) -> Self {
         let surface = Surface::new(&model.faces, &model.rest_mm);
-        let (free, free_index) = free_vertices(model);
-        let mean_area =
-            surface.vertex_area_mm2.iter().sum::<f64>() / model.leaflet_vertex_count.max(1) as f64;
-        let weight_mm2 = free
-            .iter()
-            .map(|&vertex| match surface.vertex_area_mm2[vertex as usize] {
-                // Chord nodes have no area of their own.
-                0.0 => mean_area,
-                area => area,
-            })
-            .collect();
-        let size = bounding_diagonal(&model.rest_mm);
         let edges = &model.springs.rest_length_mm;
         let mean_edge = edges.iter().sum::<f64>() / edges.len().max(1) as f64;
-        let mut solver = Self {
+        let step_limit_mm = (STEP_LIMIT * diagonal_mm(&model.rest_mm)).min(STEP_LIMIT_EDGES * mean_edge);
+        // At this damping pressure alone moves a vertex by the step limit.
+        let damping = model.pressure_mpa.max(1e-12) / step_limit_mm;
+        Self {
             model,
+            system: System::new(model, &surface, damping),
             surface,
             pairs: PairList::default(),
             near: Vec::new(),
-            rim: pressure::rim(&model.faces),
-            free,
-            free_index,
-            weight_mm2,
-            matrix: BlockMatrix::default(),
-            symbolic: Symbolic::default(),
             reference_force_n: load::reference_force_n(model),
-            step_limit_mm: (STEP_LIMIT * size).min(STEP_LIMIT_EDGES * mean_edge),
-            damping: 0.0,
-            least_damping: 0.0,
-        };
-        // At this damping pressure alone moves a vertex by the step limit.
-        solver.damping = model.pressure_mpa.max(1e-12) / solver.step_limit_mm;
-        solver.least_damping = LEAST_DAMPING * solver.damping;
-        solver
+            step_limit_mm,
+            least_damping: LEAST_DAMPING * damping,
+        }
     }
 
     fn iterate(&mut self, positions: &mut Vec<Vec3>, history: &mut Vec<Iteration>) -> Status {
@@ -132,7 +103,7 @@ impl<'a> Solver<'a> {
             let gradient = load::gradient(self.model, &self.near, positions);
             let residual = self.residual(&gradient);
             if residual <= self.model.settings.residual_tolerance && !moving {
-                if escapes == ESCAPE_LIMIT || !self.escape(positions, &gradient) {
+                if escapes == ESCAPE_LIMIT || !self.escape(positions) {
                     return Status::Converged;
                 }
                 escapes += 1;
@@ -154,7 +125,7 @@ impl<'a> Solver<'a> {
             history.push(Iteration {
                 residual,
                 step_mm: longest,
-                damping: self.damping,
+                damping: self.system.damping,
                 fraction,
                 exact,
             });
@@ -180,6 +151,7 @@ impl<'a> Solver<'a> {
 
     fn residual(&self, gradient: &[Vec3]) -> f64 {
         let squared = self
+            .system
             .free
             .iter()
             .map(|&vertex| gradient[vertex as usize].norm_squared());
@@ -206,124 +178,32 @@ impl<'a> Solver<'a> {
         residual: f64,
     ) -> (Vec<Vec3>, bool) {
         if residual < EXACT_BELOW {
-            let right = self.assemble(positions, gradient, motion, Curvature::Exact);
+            let right = self
+                .system
+                .assemble(&self.near, positions, gradient, motion, Curvature::Exact);
             for _ in 0..EXACT_TRIES {
-                if let Some(factor) = self.factorise() {
-                    let solution = self.solve_unsymmetric(&factor, positions, &right, NEWTON_TOLERANCE);
-                    return (self.scatter(&solution, motion), true);
+                if let Some(factor) = self.system.factorise() {
+                    let solution =
+                        self.system
+                            .solve_unsymmetric(&factor, positions, &right, NEWTON_TOLERANCE);
+                    return (self.system.scatter(&solution, motion), true);
                 }
-                self.damping = (self.damping * DAMPING_RISE).max(self.least_damping);
+                self.system.damping = (self.system.damping * DAMPING_RISE).max(self.least_damping);
             }
         }
-        let right = self.assemble(positions, gradient, motion, Curvature::Projected);
+        let right = self
+            .system
+            .assemble(&self.near, positions, gradient, motion, Curvature::Projected);
         for _ in 0..40 {
-            if let Some(factor) = self.factorise() {
-                return (self.scatter(&self.symbolic.solve(&factor, &right), motion), false);
+            if let Some(factor) = self.system.factorise() {
+                return (
+                    self.system.scatter(&self.system.solve(&factor, &right), motion),
+                    false,
+                );
             }
-            self.damping *= 10.0;
+            self.system.damping *= 10.0;
         }
         (motion.to_vec(), false)
-    }
-
-    /// Solves with the true tangent: the factorised symmetric one plus what pressure on the free margin adds.
-    fn solve_unsymmetric(
-        &self,
-        factor: &Factor,
-        positions: &[Vec3],
-        right: &[Vec3],
-        tolerance: f64,
-    ) -> Vec<Vec3> {
-        let shift = |index: usize| self.damping * self.weight_mm2[index];
-        let multiply = |vector: &[Vec3]| {
-            let mut product = self.matrix.multiply(vector);
-            for (index, (product, value)) in product.iter_mut().zip(vector).enumerate() {
-                *product += value * shift(index);
-            }
-            let direction = self.scatter(vector, &vec![Vec3::zeros(); positions.len()]);
-            let mut turned = vec![Vec3::zeros(); positions.len()];
-            let pressure = self.model.pressure_mpa;
-            pressure::add_antisymmetric_product(&self.rim, pressure, positions, &direction, &mut turned);
-            for (product, &vertex) in product.iter_mut().zip(&self.free) {
-                *product += turned[vertex as usize];
-            }
-            product
-        };
-        krylov::solve(
-            multiply,
-            |vector| self.symbolic.solve(factor, vector),
-            right,
-            tolerance,
-        )
-    }
-
-    fn factorise(&self) -> Option<Factor> {
-        let shift: Vec<f64> = self
-            .weight_mm2
-            .iter()
-            .map(|weight| self.damping * weight)
-            .collect();
-        self.symbolic.factor(&self.matrix, &shift).ok()
-    }
-
-    /// Fills the matrix and returns the right-hand side; grows the pattern where contact needs new places.
-    fn assemble(
-        &mut self,
-        positions: &[Vec3],
-        gradient: &[Vec3],
-        motion: &[Vec3],
-        curvature: Curvature,
-    ) -> Vec<Vec3> {
-        loop {
-            let mut right: Vec<Vec3> = self
-                .free
-                .iter()
-                .map(|&vertex| -gradient[vertex as usize])
-                .collect();
-            let mut complete = self.matrix.column_starts.len() > 1 || self.free.is_empty();
-            if complete {
-                self.matrix.clear();
-                let matrix = &mut self.matrix;
-                let mut sink = FreeSink {
-                    free_index: &self.free_index,
-                    motion_mm: motion,
-                    right_n: &mut right,
-                    matrix: |row, column, block: &crate::Mat3| complete &= matrix.add(row, column, block),
-                };
-                load::add_tangent(self.model, &self.near, positions, curvature, &mut sink);
-            }
-            if complete {
-                return right;
-            }
-            self.grow_pattern(positions);
-        }
-    }
-
-    fn grow_pattern(&mut self, positions: &[Vec3]) {
-        let mut places = load::tangent_places(self.model);
-        for pair in &self.near {
-            // A little beyond the activation distance, so that the pattern lasts for some steps.
-            if pair.nearest(positions).separation_mm.norm() < 1.2 * pair.activation_mm {
-                let v = pair.vertices;
-                for i in 0..4 {
-                    places.extend((i + 1..4).map(|j| [v[i], v[j]]));
-                }
-            }
-        }
-        let free = |place: [u32; 2]| {
-            let [i, j] = place.map(|vertex| self.free_index[vertex as usize]);
-            (i != PRESCRIBED && j != PRESCRIBED).then_some([i, j])
-        };
-        let places = places.into_iter().filter_map(free).collect();
-        self.matrix = BlockMatrix::with_pattern(self.free.len(), places);
-        self.symbolic = Symbolic::new(&self.matrix);
-    }
-
-    fn scatter(&self, solution: &[Vec3], motion: &[Vec3]) -> Vec<Vec3> {
-        let mut step = motion.to_vec();
-        for (&vertex, value) in self.free.iter().zip(solution) {
-            step[vertex as usize] = *value;
-        }
-        step
     }
 
     /// Shortens over-long steps vertex by vertex; returns the longest that is left [mm].
@@ -356,9 +236,9 @@ impl<'a> Solver<'a> {
 
     fn adapt_damping(&mut self, fraction: f64) {
         if fraction == 1.0 {
-            self.damping = (self.damping * 0.5).max(self.least_damping);
+            self.system.damping = (self.system.damping * 0.5).max(self.least_damping);
         } else if fraction < 0.3 {
-            self.damping *= 4.0;
+            self.system.damping *= 4.0;
         }
     }
 
@@ -367,7 +247,7 @@ impl<'a> Solver<'a> {
         self.near = self.pairs.touching(&positions, &positions);
         let gradient = load::gradient(self.model, &self.near, &positions);
         let residual = self.residual(&gradient);
-        let stable = self.is_stable(&positions, &gradient);
+        let stable = self.is_stable(&positions);
         let certificate = certify(
             self.model,
             &self.surface,
@@ -393,59 +273,48 @@ impl<'a> Solver<'a> {
     }
 
     /// Whether the valve stays where it is when pushed a little; see [`super::stability`].
-    fn is_stable(&mut self, positions: &[Vec3], gradient: &[Vec3]) -> bool {
-        if self.free.is_empty() {
+    fn is_stable(&mut self, positions: &[Vec3]) -> bool {
+        if self.system.free.is_empty() {
             return true;
         }
-        let Some(factor) = self.factorise_shifted(positions, gradient) else {
+        let Some(factor) = self
+            .system
+            .factorise_shifted(&self.near, positions, self.least_damping)
+        else {
             return false;
         };
-        if self.damping == self.least_damping {
+        if self.system.damping == self.least_damping {
             return true;
         }
-        let solve = |right: &[Vec3]| self.solve_unsymmetric(&factor, positions, right, EIGEN_TOLERANCE);
-        let start = (0..self.free.len()).map(pseudo_random).collect();
-        stability::least_real_part(solve, &self.weight_mm2, self.damping, start) > 0.0
-    }
-
-    /// The exact tangent, factorised with the least damping that makes its symmetric part positive definite; that
-    /// damping stays set. Slack chord nodes have no stiffness at all: the least damping, far below any tissue's,
-    /// keeps them from counting.
-    fn factorise_shifted(&mut self, positions: &[Vec3], gradient: &[Vec3]) -> Option<Factor> {
-        self.assemble(
-            positions,
-            gradient,
-            &vec![Vec3::zeros(); positions.len()],
-            Curvature::Exact,
-        );
-        self.damping = self.least_damping;
-        (0..60).find_map(|_| {
-            let factor = self.factorise();
-            if factor.is_none() {
-                self.damping *= SHIFT_RISE;
-            }
-            factor
-        })
+        let solve = |right: &[Vec3]| {
+            self.system
+                .solve_unsymmetric(&factor, positions, right, EIGEN_TOLERANCE)
+        };
+        let start = (0..self.system.free.len()).map(pseudo_random).collect();
+        stability::least_real_part(solve, &self.system.weight_mm2, self.system.damping, start) > 0.0
     }
 
     /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in
     /// which the tangent is most negative. False where there is no such direction.
-    fn escape(&mut self, positions: &mut [Vec3], gradient: &[Vec3]) -> bool {
-        if self.is_stable(positions, gradient) {
+    fn escape(&mut self, positions: &mut [Vec3]) -> bool {
+        if self.is_stable(positions) {
             return false;
         }
-        let Some(factor) = self.factorise_shifted(positions, gradient) else {
+        let Some(factor) = self
+            .system
+            .factorise_shifted(&self.near, positions, self.least_damping)
+        else {
             return false;
         };
-        let mut direction: Vec<Vec3> = (0..self.free.len()).map(pseudo_random).collect();
+        let mut direction: Vec<Vec3> = (0..self.system.free.len()).map(pseudo_random).collect();
         for _ in 0..INVERSE_ITERATIONS {
-            direction = self.symbolic.solve(&factor, &direction);
+            direction = self.system.solve(&factor, &direction);
             let longest = direction.iter().map(|x| x.norm()).fold(0.0, f64::max);
             direction.iter_mut().for_each(|x| *x /= longest);
         }
         let curvature: f64 = direction
             .iter()
-            .zip(self.matrix.multiply(&direction))
+            .zip(self.system.matrix.multiply(&direction))
             .map(|(x, kx)| x.dot(&kx))
             .sum();
         if curvature >= 0.0 {
@@ -456,7 +325,7 @@ impl<'a> Solver<'a> {
         let merit = Merit::new(self.model, positions);
         let ways = [push, -push].map(|push| {
             let along: Vec<Vec3> = direction.iter().map(|x| x * push).collect();
-            let mut step = self.scatter(&along, &vec![Vec3::zeros(); positions.len()]);
+            let mut step = self.system.scatter(&along, &vec![Vec3::zeros(); positions.len()]);
             step_bound::shorten(&self.pairs.meeting(positions, &step), positions, &mut step);
             advance(&mut step, positions, 1.0);
             (
@@ -482,21 +351,6 @@ fn pseudo_random(index: usize) -> Vec3 {
     )
 }
 
-fn free_vertices(model: &Model) -> (Vec<u32>, Vec<u32>) {
-    let mut free_index = vec![0; model.rest_mm.len()];
-    for prescribed in &model.prescribed {
-        free_index[prescribed.vertex as usize] = PRESCRIBED;
-    }
-    let mut free = Vec::new();
-    for (vertex, index) in free_index.iter_mut().enumerate() {
-        if *index != PRESCRIBED {
-            *index = free.len() as u32;
-            free.push(vertex as u32);
-        }
-    }
-    (free, free_index)
-}
-
 fn advance(positions: &mut [Vec3], step: &[Vec3], fraction: f64) {
     for (position, step) in positions.iter_mut().zip(step) {
         *position += step * fraction;
@@ -512,9 +366,8 @@ fn clipped(vector: Vec3, longest: f64) -> Vec3 {
     }
 }
 
-fn bounding_diagonal(positions: &[Vec3]) -> f64 {
-    let Some(first) = positions.first() else {
-        return 1.0;
-    };
-    2.0 * largest_distance(positions, &vec![*first; positions.len()]) / 2.0_f64.sqrt()
+/// About the diagonal of a square around the valve: √2 times how far the farthest vertex lies from the first.
+fn diagonal_mm(positions: &[Vec3]) -> f64 {
+    let first = positions.first().copied().unwrap_or_default();
+    2.0 * largest_distance(positions, &vec![first; positions.len()]) / 2.0_f64.sqrt()
 }
