@@ -15,11 +15,15 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-import matplotlib
+try:
+    import matplotlib
+    import numpy as np
+except ModuleNotFoundError as missing:
+    print(f"pictures.py needs numpy and matplotlib: {missing}; try pip install numpy matplotlib", file=sys.stderr)
+    raise SystemExit(2) from None
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the choice of backend)
-import numpy as np  # noqa: E402
 import painter  # noqa: E402
 from matplotlib.colors import Normalize  # noqa: E402
 from tables import InputFault  # noqa: E402

@@ -24,10 +24,11 @@ pub(crate) struct Arguments {
     /// A plan file; the valve is closed again after its repairs
     #[arg(long, value_name = "FILE", conflicts_with = "ring")]
     plan: Option<PathBuf>,
-    /// An annuloplasty ring as FAMILY:SIZE, such as physio-like:30 (size in mm); a plan of one repair
+    /// An annuloplasty ring as FAMILY:SIZE, such as physio-like:30 (size: inner transverse diameter in mm); families
+    /// classic-like, physio-like, saddle, reduced-ap, posterior-band; a plan of one repair
     #[arg(long, value_name = "SPEC")]
     ring: Option<String>,
-    /// Folder for report.json and the surfaces (.vtp), made if need be
+    /// Folder for report.json and the surfaces (.vtp), made if need be; results of an earlier run are replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// How the report is printed

@@ -32,8 +32,11 @@ pub fn write_results(folder: &Path, closure: &Closure, report: &Report) -> Resul
     write_text_atomically(&path, report.json()?.as_bytes())
         .map_err(|error| Fault::error(path.display().to_string(), error.to_string()))?;
     let Some(after) = &closure.after else {
+        remove_valve(&folder.join("before"))?;
+        remove_valve(&folder.join("after"))?;
         return write_valve(folder, &closure.before);
     };
+    remove_valve(folder)?;
     write_valve(&folder.join("before"), &closure.before)?;
     write_valve(&folder.join("after"), after)?;
     for (number, report) in closure.repairs.iter().enumerate() {
@@ -46,6 +49,28 @@ pub fn write_results(folder: &Path, closure: &Closure, report: &Report) -> Resul
             &folder.join("after").join(name),
             &polyline(&ring.curve_mm, ring.closed),
         )?;
+    }
+    Ok(())
+}
+
+/// Files that an earlier run with, or without, a plan may have left: beside the new report they would tell of another
+/// valve. Nothing else is touched.
+const VALVE_FILES: [&str; 5] = [
+    "open.vtp",
+    "closed.vtp",
+    "open_chords.vtp",
+    "chords.vtp",
+    "ring.vtp",
+];
+
+fn remove_valve(folder: &Path) -> Result<(), Fault> {
+    for path in VALVE_FILES.map(|name| folder.join(name)) {
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Fault::error(path.display().to_string(), error.to_string()));
+            }
+            _ => {}
+        }
     }
     Ok(())
 }

@@ -126,7 +126,17 @@ fn judge(
     if !(1.0 / LARGEST_SCALE..=LARGEST_SCALE).contains(&scale) {
         return Err(vec![Fault::error(
             "ring",
-            format!("{lengths}; expected at most a factor of {LARGEST_SCALE}"),
+            format!("{lengths}; expected lengths within a factor of {LARGEST_SCALE} of each other"),
+        )]);
+    }
+    // Half of the annulus' mean diameter: no ring that is sewn in moves it as far.
+    let farthest_mm = 0.5 * report.annulus_length_mm / std::f64::consts::PI;
+    if report.warp_mean_mm > farthest_mm {
+        return Err(vec![Fault::error(
+            "ring",
+            format!(
+                "{lengths}; expected a ring that stands at the annulus, within {farthest_mm:.1} mm on average"
+            ),
         )]);
     }
     let mut warnings = Vec::new();
