@@ -1,12 +1,14 @@
-//! Finding what may touch: `contact/broad` (sweep and prune alone) and `contact/pairs` (broad and narrow phase
-//! and the list of near pairs), at the closed valve, where most is near.
+//! Finding what may touch: `contact/broad` (sweep and prune alone), `contact/narrow` (closest points of the pairs that
+//! may touch), `contact/pairs` (both on all candidates, and the list of near pairs) and `contact/gather` (what of a list
+//! that still holds may touch), at the closed valve, where most is near.
 //!
-//! The list is made anew every few iterations, so the sweep meets boxes that are almost sorted: here they are
-//! sorted already, the best case. What a large motion between two calls would add is the insertion sort alone.
+//! In `contact/broad` the sweep meets boxes that are sorted already, the best case; in `contact/pairs` boxes that it has
+//! not seen before.
 
+use coapt::Vec3;
 use coapt::contact::broad::SweepAndPrune;
-use coapt::contact::pairs::PairList;
-use coapt_benches::{budget_mm, closed_scenery, closed_sizes};
+use coapt::contact::pairs::{PairList, Place};
+use coapt_benches::{Scenery, closed_scenery, closed_sizes, label, place};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::cell::LazyCell;
 
@@ -15,8 +17,9 @@ fn bench_broad(criterion: &mut Criterion) {
     for size in closed_sizes() {
         let closed = LazyCell::new(|| closed_scenery(size));
         let mut sweep = SweepAndPrune::default();
-        group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
-            let reach_mm = closed.model.contact.thickness_mm + 2.0 * budget_mm(&closed.model);
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
+            // With what the solver's lists allow for when steps have become short.
+            let reach_mm = 1.4 * closed.model.contact.thickness_mm;
             bencher.iter(|| {
                 let mut count = 0_usize;
                 let positions_mm = &closed.state.positions_mm;
@@ -27,28 +30,55 @@ fn bench_broad(criterion: &mut Criterion) {
     }
 }
 
-fn bench_pairs(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("contact/pairs");
+fn bench_narrow(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("contact/narrow");
     for size in closed_sizes() {
         let closed = LazyCell::new(|| closed_scenery(size));
-        let mut list = PairList::default();
-        group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
-            let model = &closed.model;
-            let thickness_mm = model.contact.thickness_mm;
-            let positions_mm = &closed.state.positions_mm;
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
+            let (pairs, positions_mm) = (&closed.pairs, &closed.state.positions_mm);
             bencher.iter(|| {
-                let budget_mm = budget_mm(model);
-                list.rebuild(
-                    &closed.surface,
-                    &model.rest_mm,
-                    positions_mm,
-                    thickness_mm,
-                    budget_mm,
-                );
+                let distances = pairs
+                    .iter()
+                    .map(|pair| pair.nearest(positions_mm).separation_mm.norm());
+                distances.fold(f64::INFINITY, f64::min)
             });
         });
     }
 }
 
-criterion_group!(benches, bench_broad, bench_pairs);
+fn bench_pairs(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("contact/pairs");
+    for size in closed_sizes() {
+        let closed = LazyCell::new(|| closed_scenery(size));
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
+            let (place, at_rest) = (place_of(&closed), at_rest(&closed));
+            let mut pairs = Vec::new();
+            // A list without positions holds for none, and is made anew.
+            bencher.iter(|| PairList::default().gather(&place, &at_rest, &mut pairs));
+        });
+    }
+}
+
+fn bench_gather(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("contact/gather");
+    for size in closed_sizes() {
+        let closed = LazyCell::new(|| closed_scenery(size));
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
+            let (place, at_rest) = (place_of(&closed), at_rest(&closed));
+            let (mut list, mut pairs) = (PairList::default(), Vec::new());
+            bencher.iter(|| list.gather(&place, &at_rest, &mut pairs));
+        });
+    }
+}
+
+fn place_of(closed: &Scenery) -> Place<'_> {
+    place(&closed.model, &closed.surface, &closed.state.positions_mm)
+}
+
+/// No step.
+fn at_rest(closed: &Scenery) -> Vec<Vec3> {
+    vec![Vec3::zeros(); closed.state.positions_mm.len()]
+}
+
+criterion_group!(benches, bench_broad, bench_narrow, bench_pairs, bench_gather);
 criterion_main!(benches);

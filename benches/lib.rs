@@ -1,16 +1,21 @@
 //! The valves that the benches work on, open and closed.
 //!
 //! ```text
-//! cargo bench -p coapt-benches              # open valves of every size, closed ones up to 2600 faces
-//! cargo bench -p coapt-benches -- 650       # one size
-//! COAPT_BENCH_LARGE=1 cargo bench -p coapt-benches      # 10000 faces closed as well: minutes
+//! cargo bench -p coapt-benches                                      # closed valves up to 2600 faces
+//! cargo bench -p coapt-benches -- /650                              # one size
+//! cargo bench -p coapt-benches --bench relax -- closure/cold/10k    # a large one, asked for by its name
+//! COAPT_BENCH_LARGE=1 cargo bench -p coapt-benches                  # all large ones: minutes to hours
+//! cargo bench -p coapt-benches --bench ratio                        # closure to force evaluation to explicit baseline
 //! ```
 //!
-//! Names are `step/size`, the size being the number of faces aimed at. Valves are generated and closed outside
-//! what is timed, and only if the filter asks for them. A valve that did not close properly stops the bench:
-//! how fast a wrong answer comes is worth nothing.
+//! Names are `step/size`, the size being the number of faces aimed at, or `step/case` at [`PLANNING_SIZE`]. Valves
+//! are generated and closed outside what is timed, and only if the filter asks for them. A valve that did not close
+//! properly stops the bench: how fast a wrong answer comes is worth nothing.
 
-use coapt::contact::pairs::{Pair, PairList};
+pub mod explicit;
+
+use coapt::Vec3;
+use coapt::contact::pairs::{Pair, PairList, Place, rigid_fraction};
 use coapt::contact::surface::Surface;
 use coapt::mesh::parametric::{Preset, ValveParameters, generate};
 use coapt::model::Model;
@@ -18,14 +23,30 @@ use coapt::relax::{Equilibrium, relax};
 use coapt::scene::Scene;
 use coapt::state::State;
 
-/// Faces aimed at: as many as in the published mass-spring valves (600 to 700), four times and fifteen times
-/// as many.
-pub const SIZES: [u32; 3] = [650, 2600, 10_000];
+/// Faces aimed at: as many as in the published mass-spring valves (600 to 700), four, fifteen and a hundred and fifty
+/// times as many.
+pub const SIZES: [u32; 4] = [650, 2600, 10_000, 100_000];
 
-/// The sizes to be closed: the largest takes minutes and must be asked for by `COAPT_BENCH_LARGE=1`.
+/// Faces of the valve on which plans are tried.
+pub const PLANNING_SIZE: u32 = 650;
+
+/// How a size is called.
+pub fn label(size: u32) -> String {
+    match size {
+        10_000.. => format!("{}k", size / 1000),
+        _ => size.to_string(),
+    }
+}
+
+/// The sizes to be closed: those from 10,000 on take minutes and must be asked for, by their label in the filter or all
+/// by `COAPT_BENCH_LARGE=1`.
 pub fn closed_sizes() -> Vec<u32> {
-    let large = std::env::var_os("COAPT_BENCH_LARGE").is_some_and(|value| value == "1");
-    SIZES.into_iter().filter(|&size| large || size < 10_000).collect()
+    let all = std::env::var_os("COAPT_BENCH_LARGE").is_some_and(|value| value == "1");
+    let named = |size: u32| std::env::args().skip(1).any(|word| word.contains(&label(size)));
+    SIZES
+        .into_iter()
+        .filter(|&size| size < 10_000 || all || named(size))
+        .collect()
 }
 
 /// The parameters of the healthy valve with about so many faces.
@@ -80,6 +101,25 @@ pub fn assert_certified(equilibrium: &Equilibrium) {
     );
 }
 
+/// The valve with its annulus drawn in by so many percent along its anteroposterior diameter, as a ring would.
+pub fn narrowed(model: &Model, percent: f64) -> Model {
+    let mut narrowed = model.clone();
+    let target = |vertex: u32| {
+        let held = model.prescribed.iter().find(|held| held.vertex == vertex);
+        held.map_or(model.rest_mm[vertex as usize], |held| held.target_mm)
+    };
+    let centre = model.annulus.iter().map(|&v| target(v)).sum::<Vec3>() / model.annulus.len() as f64;
+    let landmark = |index: usize| target(model.annulus[index]);
+    let marks = &model.landmarks;
+    let across = (landmark(marks.mid_posterior) - landmark(marks.mid_anterior)).normalize();
+    for held in &mut narrowed.prescribed {
+        if model.annulus.contains(&held.vertex) {
+            held.target_mm -= across * (across.dot(&(held.target_mm - centre)) * percent / 100.0);
+        }
+    }
+    narrowed
+}
+
 /// A valve at one of its positions, with what the solver keeps beside it.
 #[derive(Clone, Debug)]
 pub struct Scenery {
@@ -109,16 +149,13 @@ pub fn closed_scenery(face_count: u32) -> Scenery {
 
 fn scenery(model: Model, state: State) -> Scenery {
     let surface = Surface::new(&model.faces, &model.rest_mm);
-    let mut list = PairList::default();
-    let thickness_mm = model.contact.thickness_mm;
-    list.rebuild(
-        &surface,
-        &model.rest_mm,
-        &state.positions_mm,
-        thickness_mm,
-        budget_mm(&model),
+    let mut pairs = Vec::new();
+    let at_rest = vec![Vec3::zeros(); state.positions_mm.len()];
+    PairList::default().gather(
+        &place(&model, &surface, &state.positions_mm),
+        &at_rest,
+        &mut pairs,
     );
-    let pairs = list.touching(&state.positions_mm, &state.positions_mm);
     Scenery {
         model,
         surface,
@@ -127,8 +164,14 @@ fn scenery(model: Model, state: State) -> Scenery {
     }
 }
 
-/// How far vertices may move before pairs must be listed anew [mm]: what the solver allows for when steps have
-/// become short.
-pub fn budget_mm(model: &Model) -> f64 {
-    0.1 * model.contact.thickness_mm
+/// Where the valve looks for contact, as the solver does.
+pub fn place<'a>(model: &'a Model, surface: &'a Surface, positions_mm: &'a [Vec3]) -> Place<'a> {
+    let thickness_mm = model.contact.thickness_mm;
+    Place {
+        surface,
+        rest_mm: &model.rest_mm,
+        positions_mm,
+        thickness_mm,
+        rigid_fraction: rigid_fraction(surface, thickness_mm),
+    }
 }

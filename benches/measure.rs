@@ -1,9 +1,11 @@
-//! Measuring the closed valve: everything that is reported of one state.
+//! Measuring the closed valve: `measure` (everything that is reported of one state) and `visible` (how far two valves
+//! lie apart where they are seen).
 //!
-//! It is paid once per closure, and at every frame of a view that shows figures while the valve is moved.
+//! The first is paid once per closure, and at every frame of a view that shows figures while the valve is moved. The
+//! second needs no closed valve: the open one against a valve of other size costs as much.
 
-use coapt::measure::measure;
-use coapt_benches::{close, closed_sizes, healthy_model};
+use coapt::measure::{measure, visible_distance};
+use coapt_benches::{PLANNING_SIZE, SIZES, close, closed_sizes, healthy_model, label};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::cell::LazyCell;
 
@@ -16,7 +18,7 @@ fn bench_measure(criterion: &mut Criterion) {
             let equilibrium = close(&model);
             (model, equilibrium)
         });
-        group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
             let (model, equilibrium) = &*closed;
             let positions_mm = &equilibrium.state.positions_mm;
             bencher.iter(|| measure(model, positions_mm, &equilibrium.reactions_n));
@@ -24,5 +26,17 @@ fn bench_measure(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, bench_measure);
+fn bench_visible(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("visible");
+    group.sample_size(10);
+    for size in SIZES {
+        let open = LazyCell::new(|| (healthy_model(size), healthy_model(PLANNING_SIZE)));
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
+            let (one, other) = &*open;
+            bencher.iter(|| visible_distance(one, &one.rest_mm, other, &other.rest_mm));
+        });
+    }
+}
+
+criterion_group!(benches, bench_measure, bench_visible);
 criterion_main!(benches);

@@ -5,7 +5,7 @@
 
 use coapt::mesh::parametric::generate;
 use coapt::model::Model;
-use coapt_benches::{SIZES, healthy_parameters, healthy_scene};
+use coapt_benches::{SIZES, healthy_parameters, healthy_scene, label};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::cell::LazyCell;
 
@@ -13,7 +13,7 @@ fn bench_generate(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("generate");
     for size in SIZES {
         let parameters = healthy_parameters(size);
-        group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
             bencher.iter(|| generate(&parameters).expect("the healthy valve can be generated"));
         });
     }
@@ -23,7 +23,7 @@ fn bench_build(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("build");
     for size in SIZES {
         let scene = LazyCell::new(|| healthy_scene(size));
-        group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
             bencher.iter(|| Model::build(&scene).expect("the healthy valve can be built"));
         });
     }

@@ -1,19 +1,23 @@
-//! The solver: `gradient` (all forces once), `factor` (the tangent factorised once) and `closure/cold` (from the
-//! open valve to the certified equilibrium).
+//! The solver: `gradient` (all forces once), `factor` (the tangent factorised once), `closure/cold` (from the open
+//! valve to the certified equilibrium), `closure/warm` (from the closed valve, after its annulus was drawn in as by a
+//! ring) and `closure/explicit_baseline` (the same by explicit time steps, without certificate).
 //!
-//! `gradient` and `factor` are what an iteration consists of besides contact; `closure/cold` is what the user
-//! waits for, the certificate included. At the open valve nothing touches, at the closed one contact is a part of
-//! the price: both are timed.
+//! `gradient` and `factor` are what an iteration consists of besides contact; closures are what the user waits for, the
+//! certificate included. At the open valve nothing touches, at the closed one contact is a part of the price: both are
+//! timed.
 
 use coapt::energy::Curvature;
+use coapt::model::Model;
 use coapt::relax::block_matrix::BlockMatrix;
 use coapt::relax::cholesky::Symbolic;
-use coapt::relax::load::{self, FreeSink, PRESCRIBED};
+use coapt::relax::load;
 use coapt::relax::relax;
 use coapt::state::State;
 use coapt::{Mat3, Vec3};
+use coapt_benches::explicit::{self, close_explicitly};
 use coapt_benches::{
-    SIZES, Scenery, assert_certified, closed_scenery, closed_sizes, healthy_model, open_scenery,
+    PLANNING_SIZE, SIZES, Scenery, assert_certified, close, closed_scenery, closed_sizes, healthy_model,
+    label, narrowed, open_scenery,
 };
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
 use std::cell::LazyCell;
@@ -22,7 +26,7 @@ fn bench_gradient(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("gradient/open");
     for size in SIZES {
         let open = LazyCell::new(|| open_scenery(size));
-        group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
             bencher.iter(|| gradient(&open));
         });
     }
@@ -30,7 +34,7 @@ fn bench_gradient(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("gradient/closed");
     for size in closed_sizes() {
         let closed = LazyCell::new(|| closed_scenery(size));
-        group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
             bencher.iter(|| gradient(&closed));
         });
     }
@@ -48,7 +52,7 @@ fn bench_factor(criterion: &mut Criterion) {
             let matrix = tangent(&closed_scenery(size));
             (Symbolic::new(&matrix), matrix)
         });
-        group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
             let (symbolic, matrix) = &*system;
             // Slack chord nodes have no stiffness; this little, far below any tissue's, lets them pass [N/mm].
             let shift = vec![1e-7; matrix.size()];
@@ -59,29 +63,27 @@ fn bench_factor(criterion: &mut Criterion) {
 
 /// The exact tangent of the free vertices, contact included.
 fn tangent(scenery: &Scenery) -> BlockMatrix {
-    let mut free_index = vec![0; scenery.model.rest_mm.len()];
-    for prescribed in &scenery.model.prescribed {
-        free_index[prescribed.vertex as usize] = PRESCRIBED;
+    let Scenery {
+        model, pairs, state, ..
+    } = scenery;
+    let mut free: Vec<Option<u32>> = vec![Some(0); model.rest_mm.len()];
+    for prescribed in &model.prescribed {
+        free[prescribed.vertex as usize] = None;
     }
-    let free = free_index.iter_mut().filter(|index| **index != PRESCRIBED);
-    let size = free.zip(0..).map(|(index, number)| *index = number).count();
+    let size = (0..)
+        .zip(free.iter_mut().flatten())
+        .map(|(number, index)| *index = number)
+        .count();
     let mut blocks: Vec<(u32, u32, Mat3)> = Vec::new();
-    let mut sink = FreeSink {
-        free_index: &free_index,
-        motion_mm: &vec![Vec3::zeros(); free_index.len()],
-        right_n: &mut vec![Vec3::zeros(); size],
-        matrix: |row, column, block: &Mat3| blocks.push((row, column, *block)),
+    let mut sink = |row: u32, column: u32, block: &Mat3| {
+        if let (Some(row), Some(column)) = (free[row as usize], free[column as usize]) {
+            blocks.push((row, column, *block));
+        }
     };
-    let positions_mm = &scenery.state.positions_mm;
-    load::add_tangent(
-        &scenery.model,
-        &scenery.pairs,
-        positions_mm,
-        Curvature::Exact,
-        &mut sink,
-    );
-    let places = blocks.iter().map(|&(row, column, _)| [row, column]).collect();
-    let mut matrix = BlockMatrix::with_pattern(size, places);
+    load::add_elastic_tangent(model, &state.positions_mm, Curvature::Exact, &mut sink);
+    load::add_contact_tangent(model, pairs, &state.positions_mm, Curvature::Exact, &mut sink);
+    let places: Vec<[u32; 2]> = blocks.iter().map(|&(row, column, _)| [row, column]).collect();
+    let mut matrix = BlockMatrix::with_pattern(size, &places);
     for (row, column, block) in &blocks {
         assert!(
             matrix.add(*row, *column, block),
@@ -91,22 +93,65 @@ fn tangent(scenery: &Scenery) -> BlockMatrix {
     matrix
 }
 
-fn bench_closure(criterion: &mut Criterion) {
+fn bench_cold(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("closure/cold");
     // From tenths of a second to minutes each: few samples, with the same number of closures in each.
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
     for size in closed_sizes() {
-        let model = LazyCell::new(|| healthy_model(size));
-        group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+        let model = LazyCell::new(|| certifiable(healthy_model(size), State::open));
+        group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
             let start = State::open(&model);
-            bencher.iter(|| {
-                let equilibrium = relax(&model, &start);
-                assert_certified(&equilibrium);
-                equilibrium
-            });
+            bencher.iter(|| relax(&model, &start));
         });
     }
 }
 
-criterion_group!(benches, bench_gradient, bench_factor, bench_closure);
+fn bench_warm(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("closure/warm");
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    let unmodified = LazyCell::new(|| {
+        let model = healthy_model(PLANNING_SIZE);
+        let closed = close(&model).state;
+        (model, closed)
+    });
+    for (name, percent) in [("ring_0p5pct", 0.5), ("ring_2pct", 2.0), ("ring_5pct", 5.0)] {
+        let ringed =
+            LazyCell::new(|| certifiable(narrowed(&unmodified.0, percent), |_| unmodified.1.clone()));
+        group.bench_function(name, |bencher| {
+            let (model, start) = (&*ringed, &unmodified.1);
+            bencher.iter(|| relax(model, start));
+        });
+    }
+}
+
+/// A valve that closes to a certified state from a start, as it will when it is timed: equal starts, equal bytes.
+fn certifiable(model: Model, start: impl Fn(&Model) -> State) -> Model {
+    assert_certified(&relax(&model, &start(&model)));
+    model
+}
+
+fn bench_explicit(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("closure/explicit_baseline");
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    group.bench_function(label(PLANNING_SIZE), |bencher| {
+        let model = healthy_model(PLANNING_SIZE);
+        let start = State::open(&model);
+        let close = || close_explicitly(&model, &start, explicit::TOLERANCE, explicit::STEP_LIMIT);
+        let residual = close().residual;
+        assert!(
+            residual <= explicit::TOLERANCE,
+            "not in balance: residual {residual:e}"
+        );
+        bencher.iter(close);
+    });
+}
+
+criterion_group!(
+    benches,
+    bench_gradient,
+    bench_factor,
+    bench_cold,
+    bench_warm,
+    bench_explicit
+);
 criterion_main!(benches);

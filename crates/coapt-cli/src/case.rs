@@ -9,7 +9,7 @@ use coapt_io::scene::{located, nearest, read_text, scene_from_text, sentence};
 
 /// Faces of a preset that is closed without being written first: as many as the models of paper 003, so that an
 /// answer is there at once. `coapt generate` writes finer ones.
-const FACES_OF_A_PRESET: u32 = 650;
+pub(crate) const FACES_OF_A_PRESET: u32 = 650;
 
 /// A valve and where it is from.
 #[derive(Debug)]
@@ -32,14 +32,14 @@ pub(crate) enum Source {
 /// Finds and reads a valve; without a name, the healthy one.
 pub(crate) fn open(name: Option<&Path>) -> Result<Case, Vec<Fault>> {
     let Some(path) = name else {
-        return preset(Preset::Healthy);
+        return preset(Preset::Healthy, FACES_OF_A_PRESET);
     };
     // A link that leads nowhere is told as such.
     if path.symlink_metadata().is_ok() {
         return read(&scene_file(path));
     }
     match path.to_str().and_then(Preset::from_name) {
-        Some(found) => preset(found),
+        Some(found) => preset(found, FACES_OF_A_PRESET),
         None => Err(vec![not_found(path)]),
     }
 }
@@ -68,9 +68,10 @@ fn not_found(path: &Path) -> Fault {
     Fault::error(path.display().to_string(), message)
 }
 
-fn preset(preset: Preset) -> Result<Case, Vec<Fault>> {
+/// A preset at about so many triangles.
+pub(crate) fn preset(preset: Preset, face_count_target: u32) -> Result<Case, Vec<Fault>> {
     let parameters = ValveParameters {
-        face_count_target: FACES_OF_A_PRESET,
+        face_count_target,
         ..ValveParameters::preset(preset)
     };
     Ok(Case {

@@ -187,7 +187,7 @@ fn timed(model: Model) -> Closed {
 }
 
 /// Runs on a pool of so many threads, or as the machine has it.
-fn on_threads<T: Send>(
+pub(crate) fn on_threads<T: Send>(
     threads: Option<u16>,
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {

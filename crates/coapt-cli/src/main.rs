@@ -13,6 +13,7 @@ mod check;
 mod closure;
 mod generate;
 mod output;
+mod study;
 
 use std::process::ExitCode;
 
@@ -40,6 +41,8 @@ enum Verb {
     Check(check::Arguments),
     /// Write a parametric valve as a scene
     Generate(generate::Arguments),
+    /// Close a valve at many settings; set error against time and find the knee
+    Study(study::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -55,6 +58,7 @@ fn main() -> ExitCode {
         Verb::Closure(arguments) => closure::run(arguments),
         Verb::Check(arguments) => check::run(arguments),
         Verb::Generate(arguments) => generate::run(arguments),
+        Verb::Study(arguments) => study::run(arguments),
     };
     match outcome {
         Ok(Verdict::Done) => ExitCode::SUCCESS,

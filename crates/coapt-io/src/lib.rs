@@ -7,3 +7,5 @@ pub mod mesh;
 pub mod scene;
 
 pub mod report;
+
+pub mod study;

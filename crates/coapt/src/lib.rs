@@ -11,6 +11,8 @@
 
 pub mod scene;
 
+pub mod simd;
+
 pub mod mesh;
 
 pub mod energy;
@@ -22,6 +24,8 @@ pub mod repair;
 pub mod state;
 
 pub mod contact;
+
+pub mod coarsen;
 
 pub mod relax;
 

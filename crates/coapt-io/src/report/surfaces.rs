@@ -148,20 +148,14 @@ fn at_points(model: &Model, positions_mm: &[Vec3]) -> Vec<Array> {
     ]
 }
 
-/// The chordae in some position, with the points they use.
+/// The chordae in some position.
 fn chords(model: &Model, positions_mm: &[Vec3]) -> PolyData {
     let chords = &model.chords;
-    let mut used: Vec<u32> = chords.ends.iter().flatten().copied().collect();
-    used.sort_unstable();
-    used.dedup();
-    // Every end is in the list just made.
-    let number = |vertex: u32| used.binary_search(&vertex).unwrap_or(0) as u32;
     PolyData {
-        points: used
-            .iter()
-            .map(|&vertex| positions_mm[vertex as usize].into())
+        points: (0..chords.points.len() as u32)
+            .map(|point| chords.point_mm(point, positions_mm).into())
             .collect(),
-        lines: chords.ends.iter().map(|ends| ends.map(number)).collect(),
+        lines: chords.ends.clone(),
         cell_arrays: vec![
             array("group", 1, chords.group.iter().map(|&group| f64::from(group))),
             array("rest_length_mm", 1, chords.rest_length_mm.iter().copied()),

@@ -2,15 +2,16 @@
 //!
 //! * [`surface`]: the triangles that can touch, with their edges, constant while relaxing.
 //! * [`broad`]: sweep and prune over triangle boxes, kept sorted from call to call.
-//! * [`nearest`]: closest points of point-triangle and edge-edge pairs (the only file that names parry).
+//! * [`nearest`]: closest points of point-triangle and edge-edge pairs.
 //! * [`pairs`]: the list of near pairs and how long it stays valid.
 //! * [`penalty`]: energy, gradient and Hessian of the near pairs.
 //! * [`step_bound`]: how far each vertex may move so that nothing passes through anything.
 //! * [`crossing`]: the exact test whether two faces cross.
 //!
-//! Law: with s = d / d̂ for a pair at distance d and contact thickness d̂, each unit of area stores
-//! κ d̂ (1 − s)³ / s. It begins smoothly (C²) at d = d̂ and grows without bound as d → 0, so that an equilibrium
-//! never has two mid-surfaces in one place.
+//! Law: contact begins at the thickness d̂ and is rigid, nearly, at d₀ < d̂. With s = (d − d₀) / δ, δ = d̂ − d₀, for a pair
+//! at distance d, each unit of area stores κ δ (1 − s)³ / s, which begins smoothly (C²) at d̂; below s = 0.2 it goes on as
+//! a parabola. Mid-surfaces in one place would push each other apart by a thousand systolic pressures or more, so that no
+//! equilibrium has any; and what keeps them from passing through each other is [`step_bound`], not the law.
 
 pub mod broad;
 pub mod crossing;

@@ -1,11 +1,17 @@
-//! The list of near pairs and how long it stays valid.
+//! The pairs of parts that may touch.
+//!
+//! Parts (points and triangles, edges and edges) are listed by the pairs of faces that they belong to, each such group
+//! with its slack: how much nearer its faces may come before one of its pairs touches. While the faces have come nearer
+//! by less than that, nobody looks at the pairs; so contact costs next to nothing while the parts are apart.
+//!
+//! There are two lists, because what bounds the approach of two faces that are not listed differs. Faces that share a
+//! vertex come nearer by no more than the ends of mesh edges move against each other, which is little while the valve
+//! swings. For all others, found by sweep and prune, the bound is how far vertices move at all.
 
 use super::broad::SweepAndPrune;
-use super::nearest::{Nearest, edge_edge, point_triangle};
-use super::step_bound::GAP_FRACTION;
+use super::nearest::{Nearest, Parameters, edge_edge, edge_parameters, point_triangle, triangle_parameters};
 use super::surface::Surface;
 use crate::Vec3;
-use rayon::prelude::*;
 
 /// A point with a triangle, or an edge with an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -25,6 +31,8 @@ pub struct Pair {
     pub vertices: [u32; 4],
     /// Contact begins at this distance [mm].
     pub activation_mm: f64,
+    /// Contact is rigid, nearly, at this distance [mm]; less than the activation distance.
+    pub rigid_mm: f64,
     /// The area that this pair stands for [mm²].
     pub area_mm2: f64,
     /// Two edges fade out where the square of their cross product falls below this [mm⁴]; 0 for a point.
@@ -32,17 +40,28 @@ pub struct Pair {
 }
 
 /// Where each vertex stands in a pair.
+#[inline]
 pub fn corners(vertices: &[u32; 4], positions_mm: &[Vec3]) -> [Vec3; 4] {
     vertices.map(|vertex| positions_mm[vertex as usize])
 }
 
 impl Pair {
     /// The closest points of the pair.
+    #[inline]
     pub fn nearest(&self, positions_mm: &[Vec3]) -> Nearest {
         nearest_of(self.kind, &corners(&self.vertices, positions_mm))
     }
+
+    /// How the weights of its closest points change as these slide.
+    pub fn parameters(&self, nearest: &Nearest) -> Parameters {
+        match self.kind {
+            PairKind::PointTriangle => triangle_parameters(&nearest.weights),
+            PairKind::EdgeEdge => edge_parameters(&nearest.weights),
+        }
+    }
 }
 
+#[inline]
 fn nearest_of(kind: PairKind, corners: &[Vec3; 4]) -> Nearest {
     let [a, b, c, d] = corners;
     match kind {
@@ -51,152 +70,438 @@ fn nearest_of(kind: PairKind, corners: &[Vec3; 4]) -> Nearest {
     }
 }
 
-/// All pairs that may touch until the vertices have moved by a given budget, and where the vertices stood when
-/// the list was made.
-#[derive(Clone, Debug, Default)]
-pub struct PairList {
-    /// The pairs with their distances then, in a fixed order.
-    listed: Vec<(Pair, f64)>,
-    budget_mm: f64,
-    listed_at_mm: Vec<Vec3>,
-    sweep: SweepAndPrune,
+/// Where contact is looked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'a> {
+    /// The triangles.
+    pub surface: &'a Surface,
+    /// Unloaded positions [mm], shape `[vertex]`.
+    pub rest_mm: &'a [Vec3],
+    /// Present positions [mm], shape `[vertex]`.
+    pub positions_mm: &'a [Vec3],
+    /// Distance at which parts begin to touch [mm].
+    pub thickness_mm: f64,
+    /// The part of it at which they hardly come nearer [1]; see [`rigid_fraction`].
+    pub rigid_fraction: f64,
 }
 
-/// Below this many candidates the narrow phase runs on one thread: handing work out costs more than it saves.
-const PARALLEL_FROM: usize = 20_000;
+/// The part of the contact thickness d̂ at which leaflets hardly come nearer [1]: 1 − (h/d̂)² for edges of length h.
+///
+/// A vertex touches every triangle within d̂, on fine meshes (d̂/h)² of them, a cost that grows as the square of the number
+/// of faces. If contact begins at d̂ but is all but rigid d̂ − δ away, a vertex at rest in between reaches sideways only
+/// √(2 d̂ δ): with δ = h²/d̂ a length or two of an edge, whatever the mesh. Leaflets stay apart by the same d̂.
+pub fn rigid_fraction(surface: &Surface, thickness_mm: f64) -> f64 {
+    (1.0 - (surface.mean_edge_mm / thickness_mm).powi(2)).clamp(0.0, MOST_RIGID)
+}
 
+impl Place<'_> {
+    /// Whether some parts of two faces are nearer at rest than the distance at which neighbours could touch at the full
+    /// thickness.
+    fn are_near_at_rest(&self, f: u32, g: u32) -> bool {
+        let [(centre, radius), (other, other_radius)] =
+            [f, g].map(|face| self.surface.rest_balls[face as usize]);
+        let limit_mm = self.thickness_mm / NEIGHBOUR_FRACTION + radius + other_radius;
+        (centre - other).norm_squared() < limit_mm * limit_mm
+    }
+
+    /// Neighbours begin to touch at this distance at most [mm].
+    fn longest_of_neighbours_mm(&self) -> f64 {
+        self.thickness_mm
+            .min(NEIGHBOUR_FRACTION * self.surface.mean_edge_mm)
+    }
+
+    /// A pair that is far apart at rest.
+    #[inline]
+    fn pair_of_strangers(&self, kind: PairKind, vertices: [u32; 4], area_mm2: f64) -> Pair {
+        let at_rest = corners(&vertices, self.rest_mm);
+        Pair {
+            kind,
+            vertices,
+            activation_mm: self.thickness_mm,
+            rigid_mm: self.rigid_fraction * self.thickness_mm,
+            area_mm2,
+            parallel_limit_mm4: parallel_limit_mm4(kind, &at_rest),
+        }
+    }
+}
+
+/// The pairs that may touch, kept from step to step.
+#[derive(Clone, Debug, Default)]
+pub struct PairList {
+    /// Parts of faces that share a vertex.
+    neighbours: Listing,
+    /// All others.
+    apart: Listing,
+    sweep: SweepAndPrune,
+    edge_boxes: Vec<Box3>,
+    face_boxes: Vec<Box3>,
+    face_motions: Vec<FaceMotion>,
+}
+
+/// Groups of pairs, and how the faces have moved since they were listed.
+#[derive(Clone, Debug, Default)]
+struct Listing {
+    groups: Vec<Group>,
+    pairs: Vec<Pair>,
+    listed_at_mm: Vec<Vec3>,
+    /// How far vertices (ends of edges against each other) may move before the list must be made anew [mm].
+    budget_mm: f64,
+    /// Motion of the vertices since then, at the beginning and at the end of a step.
+    start_mm: Vec<Vec3>,
+    end_mm: Vec<Vec3>,
+    faces_at_start: Vec<FaceMotion>,
+    faces_at_end: Vec<FaceMotion>,
+}
+
+/// The pairs that two faces stand for.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    faces: [u32; 2],
+    /// Where its pairs begin and end.
+    pairs: [u32; 2],
+    /// The least distance less activation distance of its pairs when listed [mm].
+    slack_mm: f64,
+}
+
+/// How a face has moved: the mean over its vertices, and how far one of them is off that.
+#[derive(Clone, Copy, Debug)]
+struct FaceMotion {
+    mean_mm: Vec3,
+    spread_mm: f64,
+}
+
+/// The band in which contact goes from nothing to rigid is never narrower than 1 − this part of the thickness [1]: at
+/// 100,000 faces the rule would make it a fiftieth of a millimetre.
+const MOST_RIGID: f64 = 0.95;
 /// Part of the rest distance at which neighbours in the mesh begin to touch [1]. Mesh neighbours are nearer than
 /// the thickness at rest and must not repel each other then; at one half an unloaded sheet is free, a shear or a
 /// compression of the tissue by a third still is, and a fold is stopped before it closes.
 const NEIGHBOUR_FRACTION: f64 = 0.5;
+/// Lists that outlast a step are made for this part of the thickness [1]. Larger, and they grow long; smaller, and they
+/// are made too often.
+const LASTING_BUDGET: f64 = 0.2;
+/// The list of neighbours is made for so many steps like the present one [1].
+const NEIGHBOUR_AHEAD: f64 = 2.0;
+/// Edges between the vertices of two neighbouring parts, at most: to the vertex that their faces share, and on.
+const NEIGHBOUR_EDGES: f64 = 2.0;
 
 impl PairList {
-    /// Whether every pair that touches while each vertex moves from `positions_mm` by up to `step_mm` is surely
-    /// listed.
-    pub fn covers(&self, positions_mm: &[Vec3], step_mm: f64) -> bool {
-        self.listed_at_mm.len() == positions_mm.len()
-            && self.moved_mm(positions_mm) + step_mm <= self.budget_mm
+    /// Gathers the pairs that may touch while the vertices go from `positions_mm` along their steps, all at the same
+    /// rate. Lists that do not reach so far are made anew.
+    pub fn gather(&mut self, place: &Place, step_mm: &[Vec3], found: &mut Vec<Pair>) {
+        let lasting_mm = LASTING_BUDGET * place.thickness_mm;
+        if self.apart.follow(place, step_mm, longest_mm) > self.apart.budget_mm {
+            let longest_mm = longest_mm(step_mm);
+            if 2.0 * longest_mm <= lasting_mm {
+                self.list_apart(place, None, lasting_mm);
+            } else {
+                self.list_apart(place, Some(step_mm), longest_mm);
+            }
+            self.apart.follow(place, step_mm, |_| 0.0);
+        }
+        let stretch_mm = |motion_mm: &[Vec3]| stretch_mm(&place.surface.edges, motion_mm);
+        if self.neighbours.follow(place, step_mm, stretch_mm) > self.neighbours.budget_mm {
+            self.list_neighbours(place, lasting_mm.max(NEIGHBOUR_AHEAD * stretch_mm(step_mm)));
+            self.neighbours.follow(place, step_mm, stretch_mm);
+        }
+        found.clear();
+        self.neighbours.gather(place, step_mm, found);
+        self.apart.gather(place, step_mm, found);
     }
 
-    /// The pairs that may touch anywhere on the straight ways of all vertices from one place to another.
-    ///
-    /// Closest points are averages of their part's vertices, so a pair comes nearer by no more than the largest
-    /// difference between the motions of a vertex of one part and one of the other.
-    pub fn touching(&self, from_mm: &[Vec3], to_mm: &[Vec3]) -> Vec<Pair> {
-        let motion = |positions: &[Vec3]| -> Vec<Vec3> {
-            positions
-                .iter()
-                .zip(&self.listed_at_mm)
-                .map(|(here, then)| here - then)
-                .collect()
-        };
-        let (before, after) = (motion(from_mm), motion(to_mm));
-        let may_touch = |pair: &Pair, distance_mm: f64| {
-            let room = (distance_mm - pair.activation_mm).max(0.0);
-            let nearer = approach_squared(pair, &before).max(approach_squared(pair, &after));
-            room * room <= nearer
-        };
-        self.listed
+    /// Lists what may touch until the vertices have moved by `budget_mm`; or, given a step, during that step alone, for
+    /// which fewer come in question since faces that go the same way do not come nearer.
+    fn list_apart(&mut self, place: &Place, step_mm: Option<&[Vec3]>, budget_mm: f64) {
+        let &Place {
+            surface,
+            positions_mm,
+            ..
+        } = place;
+        let faces = &surface.faces;
+        self.edge_boxes.clear();
+        let ends = surface
+            .edges
             .iter()
-            .filter(|(pair, distance)| may_touch(pair, *distance))
-            .map(|(pair, _)| *pair)
-            .collect()
-    }
-
-    /// The pairs that may meet when each vertex goes any part of its step, each its own part.
-    pub fn meeting(&self, positions_mm: &[Vec3], step_mm: &[Vec3]) -> Vec<Pair> {
-        let motion: Vec<Vec3> = positions_mm
+            .map(|edge| edge.map(|vertex| positions_mm[vertex as usize]));
+        self.edge_boxes.extend(ends.map(|[a, b]| Box3 {
+            low: a.inf(&b),
+            high: a.sup(&b),
+        }));
+        self.face_boxes.clear();
+        let corners = faces
             .iter()
-            .zip(&self.listed_at_mm)
-            .map(|(here, then)| here - then)
-            .collect();
-        let lengths: Vec<f64> = step_mm.iter().map(|step| step.norm()).collect();
-        let may_meet = |pair: &Pair, distance_mm: f64| {
-            let longest = pair
-                .vertices
-                .map(|vertex| lengths[vertex as usize])
-                .into_iter()
-                .fold(0.0, f64::max);
-            let now_mm = distance_mm - approach_squared(pair, &motion).sqrt();
-            2.0 * longest > GAP_FRACTION * now_mm
-        };
-        self.listed
-            .iter()
-            .filter(|(pair, distance)| may_meet(pair, *distance))
-            .map(|(pair, _)| *pair)
-            .collect()
-    }
-
-    fn moved_mm(&self, positions_mm: &[Vec3]) -> f64 {
-        largest_distance(positions_mm, &self.listed_at_mm)
-    }
-
-    /// Lists all pairs that may touch before a vertex has moved by `budget_mm`.
-    pub fn rebuild(
-        &mut self,
-        surface: &Surface,
-        rest_mm: &[Vec3],
-        positions_mm: &[Vec3],
-        thickness_mm: f64,
-        budget_mm: f64,
-    ) {
+            .map(|face| face.map(|vertex| positions_mm[vertex as usize]));
+        self.face_boxes.extend(corners.map(Box3::around));
+        self.face_motions.clear();
+        if let Some(step_mm) = step_mm {
+            face_motions(faces, step_mm, &mut self.face_motions);
+        }
+        let apart = &mut self.apart;
+        apart.begin(positions_mm, if step_mm.is_some() { 0.0 } else { budget_mm });
         // Two parts come at most twice as much nearer as their vertices move.
-        let reach_mm = thickness_mm + 2.0 * budget_mm;
-        let candidates = candidates(&mut self.sweep, surface, positions_mm, reach_mm);
-        let list = |candidate: &Candidate| list(candidate, rest_mm, positions_mm, thickness_mm, budget_mm);
-        self.listed = if candidates.len() < PARALLEL_FROM {
-            candidates.iter().filter_map(list).collect()
-        } else {
-            candidates.par_iter().filter_map(list).collect()
-        };
+        let reach_mm = place.thickness_mm + 2.0 * budget_mm;
+        self.sweep
+            .overlapping_faces(faces, positions_mm, reach_mm, |f, g| {
+                if share_vertex(&faces[f as usize], &faces[g as usize]) {
+                    return;
+                }
+                let approach_mm = match self.face_motions.as_slice() {
+                    [] => 2.0 * budget_mm,
+                    motions => motions[f as usize]
+                        .approach_mm(&motions[g as usize])
+                        .min(2.0 * budget_mm),
+                };
+                let boxes = [f, g].map(|face| &self.face_boxes[face as usize]);
+                let are_neighbours = place.are_near_at_rest(f, g);
+                let activation_mm = if are_neighbours {
+                    place.longest_of_neighbours_mm()
+                } else {
+                    place.thickness_mm
+                };
+                if boxes[0].gap_mm(boxes[1]) <= activation_mm + approach_mm {
+                    let door = Door {
+                        place,
+                        face_boxes: &self.face_boxes,
+                        edge_boxes: &self.edge_boxes,
+                        are_neighbours,
+                        activation_mm,
+                        slack_mm: approach_mm,
+                    };
+                    door.list_faces(f, g, apart);
+                }
+            });
+    }
+
+    fn list_neighbours(&mut self, place: &Place, budget_mm: f64) {
+        let listing = &mut self.neighbours;
+        listing.begin(place.positions_mm, budget_mm);
+        let most_mm = NEIGHBOUR_EDGES * budget_mm;
+        let activation_mm = place.longest_of_neighbours_mm();
+        for group in &place.surface.neighbours {
+            let (start, mut slack_mm) = (listing.pairs.len(), f64::INFINITY);
+            let [first, end] = group.pairs.map(|index| index as usize);
+            for &(kind, vertices, area_mm2) in &place.surface.neighbour_pairs[first..end] {
+                let pair = unseen(kind, vertices, area_mm2);
+                slack_mm = slack_mm.min(listing.list(place, pair, activation_mm, most_mm));
+            }
+            listing.close_group(group.faces, start, slack_mm);
+        }
+    }
+}
+
+impl Listing {
+    fn begin(&mut self, positions_mm: &[Vec3], budget_mm: f64) {
+        self.groups.clear();
+        self.pairs.clear();
         self.budget_mm = budget_mm;
         self.listed_at_mm.clear();
         self.listed_at_mm.extend_from_slice(positions_mm);
     }
+
+    /// Lists a pair if it has no more than some slack; returns its slack, or infinity. Where the pair begins to touch is
+    /// found when it is first looked at; until then it counts as if it touched at the full thickness.
+    #[inline]
+    fn list(&mut self, place: &Place, pair: Pair, activation_mm: f64, most_mm: f64) -> f64 {
+        let limit_mm = activation_mm + most_mm;
+        let squared = pair.nearest(place.positions_mm).separation_mm.norm_squared();
+        if squared > limit_mm * limit_mm {
+            return f64::INFINITY;
+        }
+        self.pairs.push(pair);
+        squared.sqrt() - activation_mm
+    }
+
+    /// Makes a group of the pairs listed since it began.
+    fn close_group(&mut self, faces: [u32; 2], start: usize, slack_mm: f64) {
+        if self.pairs.len() > start {
+            self.groups.push(Group {
+                faces,
+                pairs: [start as u32, self.pairs.len() as u32],
+                slack_mm,
+            });
+        }
+    }
+
+    /// Notes how the vertices have moved since the pairs were listed, at the beginning and at the end of a step;
+    /// returns the larger of both by some measure [mm], infinite if there is no list yet.
+    fn follow(&mut self, place: &Place, step_mm: &[Vec3], measure_mm: impl Fn(&[Vec3]) -> f64) -> f64 {
+        if self.listed_at_mm.len() != place.positions_mm.len() {
+            return f64::INFINITY;
+        }
+        let moved = place.positions_mm.iter().zip(&self.listed_at_mm);
+        self.start_mm.clear();
+        self.start_mm.extend(moved.map(|(here, then)| here - then));
+        self.end_mm.clear();
+        let ends = self.start_mm.iter().zip(step_mm);
+        self.end_mm.extend(ends.map(|(start, step)| start + step));
+        measure_mm(&self.start_mm).max(measure_mm(&self.end_mm))
+    }
+
+    fn gather(&mut self, place: &Place, step_mm: &[Vec3], found: &mut Vec<Pair>) {
+        face_motions(&place.surface.faces, &self.start_mm, &mut self.faces_at_start);
+        face_motions(&place.surface.faces, &self.end_mm, &mut self.faces_at_end);
+        for &Group {
+            faces,
+            pairs,
+            slack_mm,
+        } in &self.groups
+        {
+            let [f, g] = faces.map(|face| face as usize);
+            let comes_near = |motions: &[FaceMotion]| motions[f].is_bridged(&motions[g], slack_mm);
+            if comes_near(&self.faces_at_end) || comes_near(&self.faces_at_start) {
+                for pair in &mut self.pairs[pairs[0] as usize..pairs[1] as usize] {
+                    if pair.activation_mm == 0.0 {
+                        *pair = pair_at_rest(place, pair.kind, pair.vertices, pair.area_mm2);
+                    }
+                    if may_touch(pair, place.positions_mm, step_mm) {
+                        found.push(*pair);
+                    }
+                }
+            }
+        }
+    }
 }
 
-/// A candidate with its distance, if it may touch within the budget.
-fn list(
-    &(kind, vertices, area_mm2): &Candidate,
-    rest_mm: &[Vec3],
-    positions_mm: &[Vec3],
-    thickness_mm: f64,
-    budget_mm: f64,
-) -> Option<(Pair, f64)> {
-    let distance_mm = nearest_of(kind, &corners(&vertices, positions_mm))
-        .separation_mm
-        .norm();
-    if distance_mm > thickness_mm + 2.0 * budget_mm {
-        return None;
+impl FaceMotion {
+    /// How much nearer two faces with these motions come, at most [mm].
+    #[inline]
+    fn approach_mm(&self, other: &Self) -> f64 {
+        (self.mean_mm - other.mean_mm).norm() + self.spread_mm + other.spread_mm
     }
-    let split = if kind == PairKind::PointTriangle { 1 } else { 2 };
-    let at_rest = corners(&vertices, rest_mm);
-    // Most pairs are far apart at rest and need no closer look.
-    let activation_mm = if boxes_overlap(&vertices, split, rest_mm, thickness_mm / NEIGHBOUR_FRACTION) {
-        thickness_mm.min(NEIGHBOUR_FRACTION * nearest_of(kind, &at_rest).separation_mm.norm())
-    } else {
-        thickness_mm
-    };
-    let parallel_limit_mm4 = parallel_limit_mm4(kind, &at_rest);
-    let pair = Pair {
+
+    /// Whether two faces with these motions may have come so much nearer.
+    #[inline]
+    fn is_bridged(&self, other: &Self, slack_mm: f64) -> bool {
+        let left = slack_mm - self.spread_mm - other.spread_mm;
+        left <= 0.0 || (self.mean_mm - other.mean_mm).norm_squared() >= left * left
+    }
+}
+
+fn face_motions(faces: &[[u32; 3]], motion_mm: &[Vec3], motions: &mut Vec<FaceMotion>) {
+    motions.clear();
+    motions.extend(faces.iter().map(|face| {
+        let [a, b, c] = face.map(|vertex| motion_mm[vertex as usize]);
+        let mean_mm = (a + b + c) / 3.0;
+        let off = |motion: Vec3| (motion - mean_mm).norm_squared();
+        FaceMotion {
+            mean_mm,
+            spread_mm: off(a).max(off(b)).max(off(c)).sqrt(),
+        }
+    }));
+}
+
+/// Whether a pair may touch during a step of which all its vertices go the same part.
+#[inline]
+fn may_touch(pair: &Pair, positions_mm: &[Vec3], step_mm: &[Vec3]) -> bool {
+    let squared = pair.nearest(positions_mm).separation_mm.norm_squared();
+    let limit_mm = pair.activation_mm + approach_squared(pair, step_mm).sqrt();
+    squared <= limit_mm * limit_mm
+}
+
+/// What decides whether pairs are listed.
+struct Door<'a> {
+    place: &'a Place<'a>,
+    face_boxes: &'a [Box3],
+    edge_boxes: &'a [Box3],
+    /// Whether the faces are near at rest.
+    are_neighbours: bool,
+    /// Contact begins at this distance, or at a smaller one [mm].
+    activation_mm: f64,
+    /// Pairs with more slack than this stay out [mm].
+    slack_mm: f64,
+}
+
+impl Door<'_> {
+    /// Lists the pairs of parts that two faces stand for.
+    fn list_faces(&self, f: u32, g: u32, apart: &mut Listing) {
+        let &Place {
+            surface,
+            positions_mm,
+            ..
+        } = self.place;
+        let reach_mm = self.activation_mm + self.slack_mm;
+        let start = apart.pairs.len();
+        let mut slack_mm = f64::INFINITY;
+        for (one, other) in [(f, g), (g, f)] {
+            for &vertex in surface.owned_vertices(one) {
+                let face = surface.faces[other as usize];
+                let face_box = &self.face_boxes[other as usize];
+                let point = positions_mm[vertex as usize];
+                if face_box.gap_mm(&Box3 {
+                    low: point,
+                    high: point,
+                }) <= reach_mm
+                {
+                    let vertices = [vertex, face[0], face[1], face[2]];
+                    let area = surface.point_area_mm2(vertex);
+                    slack_mm = slack_mm.min(self.list(PairKind::PointTriangle, vertices, area, apart));
+                }
+            }
+        }
+        for &first in surface.owned_edges(f) {
+            let edge_box = &self.edge_boxes[first as usize];
+            for &second in surface.owned_edges(g) {
+                if edge_box.gap_mm(&self.edge_boxes[second as usize]) <= reach_mm {
+                    let ([a, b], [c, d]) = (surface.edges[first as usize], surface.edges[second as usize]);
+                    let area = surface.edge_pair_area_mm2(first, second);
+                    slack_mm = slack_mm.min(self.list(PairKind::EdgeEdge, [a, b, c, d], area, apart));
+                }
+            }
+        }
+        apart.close_group([f, g], start, slack_mm);
+    }
+
+    #[inline]
+    fn list(&self, kind: PairKind, vertices: [u32; 4], area_mm2: f64, apart: &mut Listing) -> f64 {
+        let pair = match self.are_neighbours {
+            true => unseen(kind, vertices, area_mm2),
+            false => self.place.pair_of_strangers(kind, vertices, area_mm2),
+        };
+        apart.list(self.place, pair, self.activation_mm, self.slack_mm)
+    }
+}
+
+/// A pair of which it is not known yet where it begins to touch.
+fn unseen(kind: PairKind, vertices: [u32; 4], area_mm2: f64) -> Pair {
+    Pair {
+        kind,
+        vertices,
+        activation_mm: 0.0,
+        rigid_mm: 0.0,
+        area_mm2,
+        parallel_limit_mm4: 0.0,
+    }
+}
+
+/// A pair with what its unloaded shape decides.
+fn pair_at_rest(place: &Place, kind: PairKind, vertices: [u32; 4], area_mm2: f64) -> Pair {
+    let at_rest = corners(&vertices, place.rest_mm);
+    let rest_distance = nearest_of(kind, &at_rest).separation_mm.norm();
+    let activation_mm = place
+        .longest_of_neighbours_mm()
+        .min(NEIGHBOUR_FRACTION * rest_distance);
+    Pair {
         kind,
         vertices,
         activation_mm,
+        rigid_mm: place.rigid_fraction * activation_mm,
         area_mm2,
-        parallel_limit_mm4,
-    };
-    (distance_mm - activation_mm <= 2.0 * budget_mm).then_some((pair, distance_mm))
+        parallel_limit_mm4: parallel_limit_mm4(kind, &at_rest),
+    }
 }
 
-/// The square of how much nearer the parts of a pair may have come by these motions, at most [mm²].
+/// The square of how much nearer the parts of a pair come by these motions, at most [mm²].
+///
+/// Closest points are averages of their part's vertices: the largest difference between the motions of a vertex of one
+/// part and one of the other.
 fn approach_squared(pair: &Pair, motion_mm: &[Vec3]) -> f64 {
     let m = corners(&pair.vertices, motion_mm);
+    let against = |i: usize, j: usize| (m[i] - m[j]).norm_squared();
     match pair.kind {
-        PairKind::PointTriangle => (1..4).map(|k| (m[0] - m[k]).norm_squared()).fold(0.0, f64::max),
-        PairKind::EdgeEdge => {
-            let across = [m[0] - m[2], m[0] - m[3], m[1] - m[2], m[1] - m[3]];
-            across.iter().map(Vec3::norm_squared).fold(0.0, f64::max)
-        }
+        PairKind::PointTriangle => against(0, 1).max(against(0, 2)).max(against(0, 3)),
+        PairKind::EdgeEdge => against(0, 2)
+            .max(against(0, 3))
+            .max(against(1, 2).max(against(1, 3))),
     }
 }
 
@@ -209,64 +514,44 @@ fn parallel_limit_mm4(kind: PairKind, rest: &[Vec3; 4]) -> f64 {
     }
 }
 
-type Candidate = (PairKind, [u32; 4], f64);
-
-/// Every point-triangle and edge-edge pair without a common vertex whose face boxes overlap.
-///
-/// Weights: over two facing sheets the point-triangle pairs of both sides stand for half of the sheet's area and
-/// the edge-edge pairs, of which about two cross each edge, for the other half.
-fn candidates(
-    sweep: &mut SweepAndPrune,
-    surface: &Surface,
-    positions_mm: &[Vec3],
-    reach_mm: f64,
-) -> Vec<Candidate> {
-    let mut found = Vec::new();
-    sweep.overlapping_faces(&surface.faces, positions_mm, reach_mm, |f, g| {
-        for (one, other) in [(f, g), (g, f)] {
-            let face = surface.faces[other as usize];
-            for &vertex in &surface.owned_vertices[one as usize] {
-                let vertices = [vertex, face[0], face[1], face[2]];
-                if !face.contains(&vertex) && boxes_overlap(&vertices, 1, positions_mm, reach_mm) {
-                    let area = 0.25 * surface.vertex_area_mm2[vertex as usize];
-                    found.push((PairKind::PointTriangle, vertices, area));
-                }
-            }
-        }
-        for &first in &surface.owned_edges[f as usize] {
-            for &second in &surface.owned_edges[g as usize] {
-                let ([a, b], [c, d]) = (surface.edges[first as usize], surface.edges[second as usize]);
-                let vertices = [a, b, c, d];
-                let apart = a != c && a != d && b != c && b != d;
-                if apart && boxes_overlap(&vertices, 2, positions_mm, reach_mm) {
-                    let area = surface.edge_area_mm2[first as usize] + surface.edge_area_mm2[second as usize];
-                    found.push((PairKind::EdgeEdge, vertices, 0.125 * area));
-                }
-            }
-        }
-    });
-    found
+fn share_vertex(one: &[u32; 3], other: &[u32; 3]) -> bool {
+    one.iter().any(|vertex| other.contains(vertex))
 }
 
-/// Whether the boxes of the first `split` vertices and of the others, grown by the reach, overlap.
-fn boxes_overlap(vertices: &[u32; 4], split: usize, positions_mm: &[Vec3], reach_mm: f64) -> bool {
-    let points = corners(vertices, positions_mm);
-    (0..3).all(|axis| {
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for (k, point) in points.iter().enumerate() {
-            let side = usize::from(k >= split);
-            low[side] = low[side].min(point[axis]);
-            high[side] = high[side].max(point[axis]);
-        }
-        low[0] <= high[1] + reach_mm && low[1] <= high[0] + reach_mm
-    })
+#[derive(Clone, Copy, Debug)]
+struct Box3 {
+    low: Vec3,
+    high: Vec3,
 }
 
-/// The farthest that any vertex lies from its other position [mm].
-pub fn largest_distance(positions_mm: &[Vec3], others_mm: &[Vec3]) -> f64 {
-    let squared = positions_mm
+impl Box3 {
+    #[inline]
+    fn around([a, b, c]: [Vec3; 3]) -> Self {
+        Self {
+            low: a.inf(&b).inf(&c),
+            high: a.sup(&b).sup(&c),
+        }
+    }
+
+    /// The gap to another box along the axis where it is widest; not positive where the boxes meet [mm].
+    #[inline]
+    fn gap_mm(&self, other: &Self) -> f64 {
+        let gap = (self.low - other.high).sup(&(other.low - self.high));
+        gap.x.max(gap.y).max(gap.z)
+    }
+}
+
+/// The longest of some motions [mm].
+pub fn longest_mm(motion_mm: &[Vec3]) -> f64 {
+    motion_mm
         .iter()
-        .zip(others_mm)
-        .map(|(a, b)| (a - b).norm_squared());
-    squared.fold(0.0, f64::max).sqrt()
+        .map(Vec3::norm_squared)
+        .fold(0.0, f64::max)
+        .sqrt()
+}
+
+/// The most that the ends of an edge move against each other [mm].
+fn stretch_mm(edges: &[[u32; 2]], motion_mm: &[Vec3]) -> f64 {
+    let against = |&[a, b]: &[u32; 2]| (motion_mm[a as usize] - motion_mm[b as usize]).norm_squared();
+    edges.iter().map(against).fold(0.0, f64::max).sqrt()
 }

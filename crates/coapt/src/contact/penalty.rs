@@ -5,51 +5,62 @@ use super::pairs::{Pair, PairKind, corners};
 use crate::energy::{BlockSink, Curvature};
 use crate::{Mat3, Vec3};
 
+/// Below this s the law goes on as a parabola [1]: the force is then 840 times the systolic pressure, and a steeper one
+/// would only cost iterations.
+const PARABOLA_BELOW: f64 = 0.2;
+
 /// The penalty per unit of area at distance d and its first two derivatives in d: [N/mm], [MPa], [MPa/mm].
 ///
 /// ```text
-/// s   =  d/d̂
-/// ψ   =  κ d̂ (1−s)³/s
+/// s   =  (d − d₀)/δ,  δ = d̂ − d₀
+/// ψ   =  κ δ (1−s)³/s
 /// ψ'  = −κ [3(1−s)²/s + (1−s)³/s²]
-/// ψ'' =  κ/d̂ [6(1−s)/s + 6(1−s)²/s² + 2(1−s)³/s³]
+/// ψ'' =  κ/δ [6(1−s)/s + 6(1−s)²/s² + 2(1−s)³/s³]
 /// ```
-pub fn penalty(distance_mm: f64, activation_mm: f64, stiffness_mpa: f64) -> [f64; 3] {
-    let s = distance_mm / activation_mm;
+pub fn penalty(distance_mm: f64, activation_mm: f64, rigid_mm: f64, stiffness_mpa: f64) -> [f64; 3] {
+    let band_mm = activation_mm - rigid_mm;
+    let s = (distance_mm - rigid_mm) / band_mm;
     if s >= 1.0 {
         return [0.0; 3];
     }
-    let (gap, ratio) = (1.0 - s, (1.0 - s) / s);
+    let at = s.max(PARABOLA_BELOW);
+    let (gap, ratio) = (1.0 - at, (1.0 - at) / at);
+    let value = stiffness_mpa * band_mm * gap * gap * ratio;
+    let slope = -stiffness_mpa * (3.0 * gap * ratio + gap * ratio * ratio);
+    let curvature =
+        stiffness_mpa / band_mm * (6.0 * ratio + 6.0 * ratio * ratio + 2.0 * ratio * ratio * ratio);
+    let beyond_mm = (s - at) * band_mm;
     [
-        stiffness_mpa * activation_mm * gap * gap * ratio,
-        -stiffness_mpa * (3.0 * gap * ratio + gap * ratio * ratio),
-        stiffness_mpa / activation_mm * (6.0 * ratio + 6.0 * ratio * ratio + 2.0 * ratio * ratio * ratio),
+        value + (slope + 0.5 * curvature * beyond_mm) * beyond_mm,
+        slope + curvature * beyond_mm,
+        curvature,
     ]
 }
 
 /// Contact energy of all pairs [N·mm].
 pub fn energy(pairs: &[Pair], stiffness_mpa: f64, positions_mm: &[Vec3]) -> f64 {
-    pairs
-        .iter()
-        .filter_map(|pair| active(pair, positions_mm))
-        .map(|touch| {
-            let fade = touch.fade();
-            touch.pair.area_mm2
-                * fade.value
-                * penalty(touch.distance_mm, touch.pair.activation_mm, stiffness_mpa)[0]
-        })
+    let touches = pairs.iter().filter_map(|pair| active(pair, positions_mm));
+    touches
+        .map(|touch| share_of(touch.fade().as_ref()) * touch.penalty(stiffness_mpa)[0])
         .sum()
 }
 
 /// Adds the gradient of the contact energy [N], shape `[vertex]`.
 pub fn add_gradient(pairs: &[Pair], stiffness_mpa: f64, positions_mm: &[Vec3], gradient_n: &mut [Vec3]) {
-    for touch in pairs.iter().filter_map(|pair| active(pair, positions_mm)) {
-        let [value, slope, _] = penalty(touch.distance_mm, touch.pair.activation_mm, stiffness_mpa);
+    for pair in pairs {
+        let Some(touch) = active(pair, positions_mm) else {
+            continue;
+        };
+        let [value, slope, _] = touch.penalty(stiffness_mpa);
         let fade = touch.fade();
-        let area = touch.pair.area_mm2;
-        let along = touch.direction() * (area * fade.value * slope);
-        for (k, &vertex) in touch.pair.vertices.iter().enumerate() {
-            gradient_n[vertex as usize] +=
-                along * touch.nearest.weights[k] + fade.gradient[k] * (area * value * fade.slope);
+        let along = touch.direction * (share_of(fade.as_ref()) * slope);
+        for (&vertex, weight) in pair.vertices.iter().zip(touch.nearest.weights) {
+            gradient_n[vertex as usize] += along * weight;
+        }
+        if let Some(fade) = fade {
+            for (k, &vertex) in pair.vertices.iter().enumerate() {
+                gradient_n[vertex as usize] += fade.gradient(k) * (value * fade.slope);
+            }
         }
     }
 }
@@ -62,182 +73,255 @@ pub fn add_hessian(
     curvature: Curvature,
     sink: &mut impl BlockSink,
 ) {
-    for touch in pairs.iter().filter_map(|pair| active(pair, positions_mm)) {
-        let blocks = match curvature {
-            Curvature::Exact => exact_blocks(&touch, stiffness_mpa),
-            Curvature::Projected => projected_blocks(&touch, stiffness_mpa),
+    let mut blocks = [Mat3::zeros(); PLACES.len()];
+    for pair in pairs {
+        let Some(touch) = active(pair, positions_mm) else {
+            continue;
         };
-        for (i, row) in blocks.iter().enumerate() {
-            for (j, block) in row.iter().enumerate().skip(i) {
-                sink.add(touch.pair.vertices[i], touch.pair.vertices[j], block);
-            }
+        match curvature {
+            Curvature::Exact => exact_blocks(&touch, stiffness_mpa, &mut blocks),
+            Curvature::Projected => projected_blocks(&touch, stiffness_mpa, &mut blocks),
+        }
+        for (block, [i, j]) in blocks.iter().zip(PLACES) {
+            sink.add(pair.vertices[i], pair.vertices[j], block);
         }
     }
 }
+
+/// The blocks of a pair: row, column.
+const PLACES: [[usize; 2]; 10] = [
+    [0, 0],
+    [0, 1],
+    [0, 2],
+    [0, 3],
+    [1, 1],
+    [1, 2],
+    [1, 3],
+    [2, 2],
+    [2, 3],
+    [3, 3],
+];
+
+/// A block for each of [`PLACES`].
+type Blocks = [Mat3; PLACES.len()];
 
 /// A pair within its activation distance.
 struct Touch<'a> {
     pair: &'a Pair,
-    corners: [Vec3; 4],
+    positions_mm: &'a [Vec3],
     nearest: Nearest,
     distance_mm: f64,
+    /// n = r / d, from the second part to the first.
+    direction: Vec3,
 }
 
-fn active<'a>(pair: &'a Pair, positions_mm: &[Vec3]) -> Option<Touch<'a>> {
-    let corners = corners(&pair.vertices, positions_mm);
-    // Boxes first: most listed pairs are apart.
+#[inline]
+fn active<'a>(pair: &'a Pair, positions_mm: &'a [Vec3]) -> Option<Touch<'a>> {
     let nearest = pair.nearest(positions_mm);
-    let distance_mm = nearest.separation_mm.norm();
-    (distance_mm < pair.activation_mm).then_some(Touch {
+    let squared = nearest.separation_mm.norm_squared();
+    if squared >= pair.activation_mm * pair.activation_mm {
+        return None;
+    }
+    let distance_mm = squared.sqrt();
+    Some(Touch {
         pair,
-        corners,
+        positions_mm,
         nearest,
         distance_mm,
+        direction: nearest.separation_mm * (1.0 / distance_mm),
     })
 }
 
-/// The factor that fades near-parallel edges out, with its slope in c = |u × v|² and the gradient of c.
+/// The factor m(c) that fades near-parallel edges out, with its first two derivatives in c = |u × v|².
 struct Fade {
     value: f64,
     slope: f64,
     curvature: f64,
-    gradient: [Vec3; 4],
+    /// The edges u and v [mm].
+    edges: [Vec3; 2],
+    /// Derivatives of c by u and by v [mm³].
+    by_edges: [Vec3; 2],
+}
+
+/// What is left of a pair after fading [1].
+fn share_of(fade: Option<&Fade>) -> f64 {
+    fade.map_or(1.0, |fade| fade.value)
+}
+
+/// Whether an edge comes from its vertex or goes to it: the derivative of u and v by the four vertices [1].
+const EDGE_SIGNS: [f64; 4] = [-1.0, 1.0, -1.0, 1.0];
+
+impl Fade {
+    /// Derivative of c by vertex k [mm³].
+    fn gradient(&self, k: usize) -> Vec3 {
+        self.by_edges[k / 2] * EDGE_SIGNS[k]
+    }
+
+    /// Second derivatives of c: by u twice, by u and v, by v twice [mm²].
+    fn cross_hessian(&self) -> [Mat3; 3] {
+        let [u, v] = self.edges;
+        let twice = |w: Vec3| (Mat3::from_diagonal_element(w.norm_squared()) - w * w.transpose()) * 2.0;
+        let mixed = u * v.transpose() * 2.0 - v * u.transpose() - Mat3::from_diagonal_element(u.dot(&v));
+        [twice(v), mixed * 2.0, twice(u)]
+    }
+}
+
+/// A way in which the closest points can slide, orthogonal to the others: what it does to D = ½ d², by the four vertices.
+struct Slide {
+    /// b = w e + u r, the second derivative of D by a vertex and the slide [mm].
+    mixed: [Vec3; 4],
+    /// 1 / (e·e) [1/mm²].
+    inverse: f64,
 }
 
 impl Touch<'_> {
-    fn direction(&self) -> Vec3 {
-        self.nearest.separation_mm / self.distance_mm
+    #[inline]
+    fn corners(&self) -> [Vec3; 4] {
+        corners(&self.pair.vertices, self.positions_mm)
     }
 
-    fn edges(&self) -> (Vec3, Vec3) {
-        (
-            self.corners[1] - self.corners[0],
-            self.corners[3] - self.corners[2],
-        )
+    /// [`penalty`] on the area that the pair stands for, without fading: [N·mm], [N], [N/mm].
+    #[inline]
+    fn penalty(&self, stiffness_mpa: f64) -> [f64; 3] {
+        let &Pair {
+            activation_mm,
+            rigid_mm,
+            area_mm2,
+            ..
+        } = self.pair;
+        penalty(self.distance_mm, activation_mm, rigid_mm, stiffness_mpa).map(|value| value * area_mm2)
     }
 
-    /// m(c) = (c/ε)(2 − c/ε) below the limit ε, 1 above (Li et al. 2020, eq. 24).
-    fn fade(&self) -> Fade {
-        let full = Fade {
-            value: 1.0,
-            slope: 0.0,
-            curvature: 0.0,
-            gradient: [Vec3::zeros(); 4],
-        };
+    /// m(c) = (c/ε)(2 − c/ε) below the limit ε; nothing above, where it is 1 (Li et al. 2020, eq. 24).
+    #[inline]
+    fn fade(&self) -> Option<Fade> {
         if self.pair.kind == PairKind::PointTriangle {
-            return full;
+            return None;
         }
+        let [a, b, c, d] = self.corners();
         let limit = self.pair.parallel_limit_mm4;
-        let (u, v) = self.edges();
+        let (u, v) = (b - a, d - c);
         let c = u.cross(&v).norm_squared();
-        if c >= limit {
-            return full;
-        }
-        let by_u = (u * v.norm_squared() - v * u.dot(&v)) * 2.0;
-        let by_v = (v * u.norm_squared() - u * u.dot(&v)) * 2.0;
-        Fade {
+        (c < limit).then(|| Fade {
             value: c / limit * (2.0 - c / limit),
             slope: 2.0 / limit * (1.0 - c / limit),
             curvature: -2.0 / (limit * limit),
-            gradient: [-by_u, by_u, -by_v, by_v],
-        }
-    }
-
-    /// Second derivative of c = |u × v|² by the four vertices [mm²].
-    fn cross_hessian(&self, i: usize, j: usize) -> Mat3 {
-        let (u, v) = self.edges();
-        let sign = if (i + j).is_multiple_of(2) { 2.0 } else { -2.0 };
-        let block = match (i / 2, j / 2) {
-            (0, 0) => Mat3::from_diagonal_element(v.norm_squared()) - v * v.transpose(),
-            (1, 1) => Mat3::from_diagonal_element(u.norm_squared()) - u * u.transpose(),
-            (0, _) => u * v.transpose() * 2.0 - v * u.transpose() - Mat3::from_diagonal_element(u.dot(&v)),
-            _ => v * u.transpose() * 2.0 - u * v.transpose() - Mat3::from_diagonal_element(u.dot(&v)),
-        };
-        block * sign
-    }
-
-    /// Second derivative of the distance d by the four vertices [1/mm].
-    ///
-    /// With D = ½ r·r and r = Σ wᵢ(b) xᵢ minimised over the free parameters b:
-    ///
-    /// ```text
-    /// e_k = ∂r/∂b_k,  u_k = ∂w/∂b_k
-    /// H_D = wᵢ wⱼ I − Σ_kl (wᵢ e_k + u_ki r) (e·e)⁻¹_kl (wⱼ e_l + u_lj r)ᵀ
-    /// H_d = (H_D − wᵢ wⱼ n nᵀ) / d
-    /// ```
-    fn distance_hessian(&self) -> [[Mat3; 4]; 4] {
-        let (w, r, n) = (self.nearest.weights, self.nearest.separation_mm, self.direction());
-        let parameters = &self.nearest.parameters;
-        let count = parameters.count;
-        let u = &parameters.directions;
-        let mut e = [Vec3::zeros(); 2];
-        for k in 0..count {
-            e[k] = (1..4)
-                .map(|i| (self.corners[i] - self.corners[0]) * u[k][i])
-                .sum();
-        }
-        let inverse = inverse_gram(&e, count);
-        let flat = Mat3::identity() - n * n.transpose();
-        let mixed: [[Vec3; 4]; 2] =
-            std::array::from_fn(|k| std::array::from_fn(|i| e[k] * w[i] + r * u[k][i]));
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                let mut block = flat * (w[i] * w[j]);
-                for k in 0..count {
-                    for l in 0..count {
-                        block -= mixed[k][i] * mixed[l][j].transpose() * inverse[k][l];
-                    }
-                }
-                block / self.distance_mm
-            })
+            edges: [u, v],
+            by_edges: [
+                (u * v.norm_squared() - v * u.dot(&v)) * 2.0,
+                (v * u.norm_squared() - u * u.dot(&v)) * 2.0,
+            ],
         })
     }
-}
 
-/// Inverse of the 0×0, 1×1 or 2×2 matrix of scalar products; zero where the vectors are parallel, which is
-/// where the pair has faded out.
-fn inverse_gram(e: &[Vec3; 2], count: usize) -> [[f64; 2]; 2] {
-    let (a, b, d) = (e[0].norm_squared(), e[0].dot(&e[1]), e[1].norm_squared());
-    match count {
-        1 if a > 0.0 => [[1.0 / a, 0.0], [0.0, 0.0]],
-        2 if a * d - b * b > 1e-12 * a * d => {
-            let determinant = a * d - b * b;
-            [
-                [d / determinant, -b / determinant],
-                [-b / determinant, a / determinant],
-            ]
+    /// How r = Σ wᵢ xᵢ slides: e = Σ uᵢ xᵢ for a direction u in weight space.
+    #[inline]
+    fn sliding(&self, u: &[f64; 4]) -> Vec3 {
+        let [a, b, c, d] = self.corners();
+        (b - a) * u[1] + (c - a) * u[2] + (d - a) * u[3]
+    }
+
+    #[inline]
+    fn slide(&self, u: &[f64; 4], e: &Vec3) -> Slide {
+        let (w, r) = (&self.nearest.weights, &self.nearest.separation_mm);
+        let squared = e.norm_squared();
+        Slide {
+            mixed: std::array::from_fn(|i| e * w[i] + r * u[i]),
+            inverse: if squared > 0.0 { 1.0 / squared } else { 0.0 },
         }
-        _ => [[0.0; 2]; 2],
     }
 }
 
 /// ∇²(m ψ) = m (ψ'' ∇d∇dᵀ + ψ' ∇²d) + ψ' m' (∇d∇cᵀ + ∇c∇dᵀ) + ψ (m'' ∇c∇cᵀ + m' ∇²c), times the area.
-fn exact_blocks(touch: &Touch, stiffness_mpa: f64) -> [[Mat3; 4]; 4] {
-    let [value, slope, curvature] = penalty(touch.distance_mm, touch.pair.activation_mm, stiffness_mpa);
+///
+/// ∇d = wᵢ n. With D = ½ r·r and r = Σ wᵢ(b) xᵢ minimised over the free parameters b:
+///
+/// ```text
+/// e_k = ∂r/∂b_k,  u_k = ∂w/∂b_k, chosen so that the e_k are orthogonal
+/// ∇²D = wᵢ wⱼ I − Σ_k (wᵢ e_k + u_ki r) (wⱼ e_k + u_kj r)ᵀ / (e_k·e_k)
+/// ∇²d = (∇²D − wᵢ wⱼ n nᵀ) / d
+/// ```
+fn exact_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) {
+    let penalty = touch.penalty(stiffness_mpa);
     let fade = touch.fade();
-    let n = touch.direction();
-    let by_d: [Vec3; 4] = touch.nearest.weights.map(|weight| n * weight);
-    let of_d = touch.distance_hessian();
-    let area = touch.pair.area_mm2;
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            let mut block = (by_d[i] * by_d[j].transpose() * curvature + of_d[i][j] * slope) * fade.value;
-            if fade.slope != 0.0 {
-                let (ci, cj) = (fade.gradient[i], fade.gradient[j]);
-                block += (by_d[i] * cj.transpose() + ci * by_d[j].transpose()) * (slope * fade.slope);
-                block +=
-                    (ci * cj.transpose() * fade.curvature + touch.cross_hessian(i, j) * fade.slope) * value;
+    let [_, slope, curvature] = penalty.map(|value| value * share_of(fade.as_ref()));
+    let (n, across) = (&touch.direction, slope / touch.distance_mm);
+    let base = n * n.transpose() * (curvature - across) + Mat3::from_diagonal_element(across);
+    let parameters = touch.pair.parameters(&touch.nearest);
+    let [first, mut second] = parameters.directions;
+    match parameters.count {
+        0 => write_blocks(touch, &base, across, [], blocks),
+        1 => {
+            let slide = touch.slide(&first, &touch.sliding(&first));
+            write_blocks(touch, &base, across, [slide], blocks);
+        }
+        _ => {
+            let (e, mut f) = (touch.sliding(&first), touch.sliding(&second));
+            let (squared, part) = (f.norm_squared(), e.dot(&f) / e.norm_squared());
+            f -= e * part;
+            (0..4).for_each(|i| second[i] -= first[i] * part);
+            let slide = touch.slide(&first, &e);
+            // Parallel slides are one; a pair of edges has faded out there.
+            if f.norm_squared() > 1e-12 * squared {
+                let slides = [slide, touch.slide(&second, &f)];
+                write_blocks(touch, &base, across, slides, blocks);
+            } else {
+                write_blocks(touch, &base, across, [slide], blocks);
             }
-            block * area
-        })
-    })
+        }
+    }
+    if let Some(fade) = fade {
+        add_fading(touch, &fade, penalty, blocks);
+    }
+}
+
+/// wᵢ wⱼ times the base, less what sliding takes off.
+#[inline]
+fn write_blocks<const COUNT: usize>(
+    touch: &Touch,
+    base: &Mat3,
+    across: f64,
+    slides: [Slide; COUNT],
+    blocks: &mut Blocks,
+) {
+    let w = &touch.nearest.weights;
+    let scaled = slides
+        .each_ref()
+        .map(|slide| slide.mixed.map(|b| b * (across * slide.inverse)));
+    for (block, [i, j]) in blocks.iter_mut().zip(PLACES) {
+        *block = base * (w[i] * w[j]);
+        for (slide, scaled) in slides.iter().zip(&scaled) {
+            *block -= slide.mixed[i] * scaled[j].transpose();
+        }
+    }
+}
+
+/// What the derivatives of m add to the Hessian of a pair that fades.
+#[cold]
+fn add_fading(touch: &Touch, fade: &Fade, [value, slope, _]: [f64; 3], blocks: &mut Blocks) {
+    let [g, h] = &fade.by_edges;
+    let [uu, uv, vv] = fade.cross_hessian().map(|block| block * (value * fade.slope));
+    let twice = value * fade.curvature;
+    let of_edges = [
+        uu + g * g.transpose() * twice,
+        uv + g * h.transpose() * twice,
+        vv + h * h.transpose() * twice,
+    ];
+    let w = touch.nearest.weights;
+    let n = touch.direction * (slope * fade.slope);
+    for (block, [i, j]) in blocks.iter_mut().zip(PLACES) {
+        *block += of_edges[i / 2 + j / 2] * (EDGE_SIGNS[i] * EDGE_SIGNS[j]);
+        *block += n * fade.gradient(j).transpose() * w[i] + fade.gradient(i) * n.transpose() * w[j];
+    }
 }
 
 /// The part that resists approach: m ψ'' ∇d∇dᵀ, never negative.
-fn projected_blocks(touch: &Touch, stiffness_mpa: f64) -> [[Mat3; 4]; 4] {
-    let [_, _, curvature] = penalty(touch.distance_mm, touch.pair.activation_mm, stiffness_mpa);
-    let n = touch.direction();
-    let stiffness = n * n.transpose() * (touch.pair.area_mm2 * touch.fade().value * curvature);
-    let w = touch.nearest.weights;
-    std::array::from_fn(|i| std::array::from_fn(|j| stiffness * (w[i] * w[j])))
+fn projected_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) {
+    let [_, _, curvature] = touch.penalty(stiffness_mpa);
+    let n = &touch.direction;
+    let base = n * n.transpose() * (share_of(touch.fade().as_ref()) * curvature);
+    write_blocks(touch, &base, 0.0, [], blocks);
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,6 @@
 //! The triangles that can touch each other, with their edges, constant while relaxing.
 
+use super::pairs::PairKind;
 use crate::Vec3;
 
 /// A triangle mesh prepared for contact.
@@ -9,15 +10,33 @@ pub struct Surface {
     pub faces: Vec<[u32; 3]>,
     /// Edges, lower vertex first, in ascending order, shape `[edge]`.
     pub edges: Vec<[u32; 2]>,
-    /// Vertices that face `f` stands for, and edges likewise: each belongs to exactly one face, so that pairs of
-    /// faces yield every pair of their parts once. Shape `[face]`.
-    pub owned_vertices: Vec<Vec<u32>>,
-    /// Edges that face `f` stands for, as indices into `edges`, shape `[face]`.
-    pub owned_edges: Vec<Vec<u32>>,
     /// Rest area around each vertex, a third of its faces [mm²], shape `[vertex]`.
     pub vertex_area_mm2: Vec<f64>,
     /// Rest area around each edge, a third of its faces [mm²], shape `[edge]`.
     pub edge_area_mm2: Vec<f64>,
+    /// Mean edge length at rest [mm].
+    pub mean_edge_mm: f64,
+    /// A ball around each face at rest: centre [mm] and radius [mm], shape `[face]`.
+    pub rest_balls: Vec<(Vec3, f64)>,
+    /// Faces that share a vertex, each two once.
+    pub neighbours: Vec<Neighbours>,
+    /// The pairs without a common vertex that such faces stand for: kind, vertices, area [mm²].
+    pub neighbour_pairs: Vec<(PairKind, [u32; 4], f64)>,
+    /// Vertices and edges that each face stands for: each belongs to exactly one face, so that pairs of faces yield
+    /// every pair of their parts once. Runs of `owned_vertex_starts` and `owned_edge_starts`, shape `[face + 1]`.
+    owned_vertices: Vec<u32>,
+    owned_vertex_starts: Vec<u32>,
+    owned_edges: Vec<u32>,
+    owned_edge_starts: Vec<u32>,
+}
+
+/// Two faces that share a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Neighbours {
+    /// The faces.
+    pub faces: [u32; 2],
+    /// Where their pairs begin and end.
+    pub pairs: [u32; 2],
 }
 
 impl Surface {
@@ -28,37 +47,158 @@ impl Surface {
         edges.dedup();
         let mut surface = Self {
             faces: faces.to_vec(),
-            owned_vertices: vec![Vec::new(); faces.len()],
-            owned_edges: vec![Vec::new(); faces.len()],
             vertex_area_mm2: vec![0.0; rest_mm.len()],
             edge_area_mm2: vec![0.0; edges.len()],
             edges,
+            owned_vertex_starts: vec![0],
+            owned_edge_starts: vec![0],
+            ..Self::default()
         };
         let mut vertex_has_owner = vec![false; rest_mm.len()];
         let mut edge_has_owner = vec![false; surface.edges.len()];
-        for (index, face) in faces.iter().enumerate() {
+        for face in faces {
             let third = face_area_mm2(face, rest_mm) / 3.0;
             for &vertex in face {
                 surface.vertex_area_mm2[vertex as usize] += third;
                 if !std::mem::replace(&mut vertex_has_owner[vertex as usize], true) {
-                    surface.owned_vertices[index].push(vertex);
+                    surface.owned_vertices.push(vertex);
                 }
             }
             for side in sides(face) {
                 let edge = surface.edge_index(side);
                 surface.edge_area_mm2[edge] += third;
                 if !std::mem::replace(&mut edge_has_owner[edge], true) {
-                    surface.owned_edges[index].push(edge as u32);
+                    surface.owned_edges.push(edge as u32);
                 }
             }
+            surface
+                .owned_vertex_starts
+                .push(surface.owned_vertices.len() as u32);
+            surface.owned_edge_starts.push(surface.owned_edges.len() as u32);
         }
+        let length = |&[a, b]: &[u32; 2]| (rest_mm[a as usize] - rest_mm[b as usize]).norm();
+        surface.mean_edge_mm =
+            surface.edges.iter().map(length).sum::<f64>() / surface.edges.len().max(1) as f64;
+        surface.rest_balls = faces.iter().map(|face| ball(face, rest_mm)).collect();
+        surface.find_neighbours(rest_mm.len());
         surface
+    }
+
+    /// Vertices that a face stands for.
+    #[inline]
+    pub fn owned_vertices(&self, face: u32) -> &[u32] {
+        run(&self.owned_vertices, &self.owned_vertex_starts, face)
+    }
+
+    /// Edges that a face stands for, as indices into `edges`.
+    #[inline]
+    pub fn owned_edges(&self, face: u32) -> &[u32] {
+        run(&self.owned_edges, &self.owned_edge_starts, face)
+    }
+
+    /// The area that a point stands for against each triangle [mm²].
+    ///
+    /// Weights: over two facing sheets the point-triangle pairs of both sides stand for half of the sheet's area and
+    /// the edge-edge pairs, of which about two cross each edge, for the other half.
+    #[inline]
+    pub fn point_area_mm2(&self, vertex: u32) -> f64 {
+        0.25 * self.vertex_area_mm2[vertex as usize]
+    }
+
+    /// The area that two edges stand for [mm²], by the same weights.
+    #[inline]
+    pub fn edge_pair_area_mm2(&self, first: u32, second: u32) -> f64 {
+        0.125 * (self.edge_area_mm2[first as usize] + self.edge_area_mm2[second as usize])
     }
 
     fn edge_index(&self, side: [u32; 2]) -> usize {
         // Every side of every face was put in the list above.
         self.edges.binary_search(&side).unwrap_or(0)
     }
+
+    fn find_neighbours(&mut self, vertex_count: usize) {
+        let (starts, around) = faces_around_vertices(&self.faces, vertex_count);
+        let (mut neighbours, mut pairs) = (Vec::new(), Vec::new());
+        let mut near = Vec::new();
+        for (f, face) in self.faces.iter().enumerate() {
+            near.clear();
+            for &vertex in face {
+                near.extend_from_slice(run(&around, &starts, vertex));
+            }
+            near.sort_unstable();
+            near.dedup();
+            for &g in near.iter().filter(|&&g| g as usize > f) {
+                let start = pairs.len() as u32;
+                self.pairs_of_faces(f as u32, g, &mut pairs);
+                neighbours.push(Neighbours {
+                    faces: [f as u32, g],
+                    pairs: [start, pairs.len() as u32],
+                });
+            }
+        }
+        neighbours.retain(|neighbours| neighbours.pairs[0] < neighbours.pairs[1]);
+        self.neighbours = neighbours;
+        self.neighbour_pairs = pairs;
+    }
+
+    fn pairs_of_faces(&self, f: u32, g: u32, found: &mut Vec<(PairKind, [u32; 4], f64)>) {
+        for (one, other) in [(f, g), (g, f)] {
+            let [a, b, c] = self.faces[other as usize];
+            for &vertex in self.owned_vertices(one) {
+                if ![a, b, c].contains(&vertex) {
+                    found.push((
+                        PairKind::PointTriangle,
+                        [vertex, a, b, c],
+                        self.point_area_mm2(vertex),
+                    ));
+                }
+            }
+        }
+        for &first in self.owned_edges(f) {
+            for &second in self.owned_edges(g) {
+                let ([a, b], [c, d]) = (self.edges[first as usize], self.edges[second as usize]);
+                if a != c && a != d && b != c && b != d {
+                    found.push((
+                        PairKind::EdgeEdge,
+                        [a, b, c, d],
+                        self.edge_pair_area_mm2(first, second),
+                    ));
+                }
+            }
+        }
+    }
+}
+
+fn ball(face: &[u32; 3], rest_mm: &[Vec3]) -> (Vec3, f64) {
+    let corners = face.map(|vertex| rest_mm[vertex as usize]);
+    let centre = corners.iter().sum::<Vec3>() / 3.0;
+    let squared = corners.iter().map(|corner| (corner - centre).norm_squared());
+    (centre, squared.fold(0.0, f64::max).sqrt())
+}
+
+#[inline]
+fn run<'a>(values: &'a [u32], starts: &[u32], index: u32) -> &'a [u32] {
+    &values[starts[index as usize] as usize..starts[index as usize + 1] as usize]
+}
+
+/// The faces around each vertex: runs of the second list between the starts of the first.
+fn faces_around_vertices(faces: &[[u32; 3]], vertex_count: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0_u32; vertex_count + 1];
+    for &vertex in faces.iter().flatten() {
+        starts[vertex as usize + 1] += 1;
+    }
+    for vertex in 0..vertex_count {
+        starts[vertex + 1] += starts[vertex];
+    }
+    let mut next = starts.clone();
+    let mut around = vec![0; 3 * faces.len()];
+    for (index, face) in faces.iter().enumerate() {
+        for &vertex in face {
+            around[next[vertex as usize] as usize] = index as u32;
+            next[vertex as usize] += 1;
+        }
+    }
+    (starts, around)
 }
 
 /// The three sides of a face, lower vertex first.

@@ -1,12 +1,20 @@
 //! Chordae: linear elastic rods that carry tension only (paper 003, section 2.2): T = E·A (l / L − 1), 0 when slack.
+//!
+//! A rod runs between two chord points. A papillary tip or a branching is one vertex; an insertion is the weighted mean
+//! of the leaflet vertices around it, which share its pull by the same weights.
 
-use super::{BlockSink, Curvature, add_line_hessian};
-use crate::Vec3;
+use super::{BlockSink, Curvature, line_block};
+use crate::{Mat3, Vec3};
+
+/// A point as the weighted mean of vertices: vertex and weight [1], the weights adding up to one.
+pub type WeightedVertices = Vec<(u32, f64)>;
 
 /// Chord segments.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chords {
-    /// The two vertices of each segment, shape `[segment]`.
+    /// Where segments begin and end, shape `[chord point]`.
+    pub points: Vec<WeightedVertices>,
+    /// The two chord points of each segment, shape `[segment]`.
     pub ends: Vec<[u32; 2]>,
     /// Unloaded length L [mm], shape `[segment]`.
     pub rest_length_mm: Vec<f64>,
@@ -20,12 +28,34 @@ impl Chords {
     /// Tension of each segment [N], shape `[segment]`.
     pub fn tensions_n(&self, positions_mm: &[Vec3]) -> Vec<f64> {
         (0..self.ends.len())
-            .map(|index| self.tension(index, offset(self, index, positions_mm).norm()))
+            .map(|index| self.tension(index, self.offset(index, positions_mm).norm()))
             .collect()
+    }
+
+    /// Where a chord point is [mm].
+    pub fn point_mm(&self, point: u32, positions_mm: &[Vec3]) -> Vec3 {
+        let vertices = &self.points[point as usize];
+        vertices
+            .iter()
+            .map(|&(vertex, weight)| positions_mm[vertex as usize] * weight)
+            .sum()
     }
 
     fn tension(&self, index: usize, length_mm: f64) -> f64 {
         self.axial_stiffness_n[index] * (length_mm / self.rest_length_mm[index] - 1.0).max(0.0)
+    }
+
+    fn offset(&self, index: usize, positions_mm: &[Vec3]) -> Vec3 {
+        let [a, b] = self.ends[index];
+        self.point_mm(b, positions_mm) - self.point_mm(a, positions_mm)
+    }
+
+    /// How the vector between a segment's ends depends on the vertices: minus the weights at its first end, plus those
+    /// at its second.
+    fn shares(&self, index: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let [a, b] = self.ends[index].map(|point| &self.points[point as usize]);
+        let first = a.iter().map(|&(vertex, weight)| (vertex, -weight));
+        first.chain(b.iter().copied())
     }
 }
 
@@ -33,7 +63,7 @@ impl Chords {
 pub fn energy(chords: &Chords, positions_mm: &[Vec3]) -> f64 {
     (0..chords.ends.len())
         .map(|index| {
-            let strain = offset(chords, index, positions_mm).norm() / chords.rest_length_mm[index] - 1.0;
+            let strain = chords.offset(index, positions_mm).norm() / chords.rest_length_mm[index] - 1.0;
             0.5 * chords.axial_stiffness_n[index] * chords.rest_length_mm[index] * strain.max(0.0).powi(2)
         })
         .sum()
@@ -41,39 +71,40 @@ pub fn energy(chords: &Chords, positions_mm: &[Vec3]) -> f64 {
 
 /// Adds the gradient of the energy [N], shape `[vertex]`.
 pub fn add_gradient(chords: &Chords, positions_mm: &[Vec3], gradient_n: &mut [Vec3]) {
-    for (index, &[a, b]) in chords.ends.iter().enumerate() {
-        let offset = offset(chords, index, positions_mm);
+    for index in 0..chords.ends.len() {
+        let offset = chords.offset(index, positions_mm);
         let length = offset.norm();
         let tension = chords.tension(index, length);
         if tension == 0.0 {
             continue;
         }
         let pull = offset * (tension / length);
-        gradient_n[a as usize] -= pull;
-        gradient_n[b as usize] += pull;
-    }
-}
-
-/// Adds the Hessian of the energy; a slack segment has none.
-pub fn add_hessian(chords: &Chords, positions_mm: &[Vec3], curvature: Curvature, sink: &mut impl BlockSink) {
-    for (index, &ends) in chords.ends.iter().enumerate() {
-        let offset = offset(chords, index, positions_mm);
-        let length = offset.norm();
-        if length > chords.rest_length_mm[index] {
-            let tangent = chords.axial_stiffness_n[index] / chords.rest_length_mm[index];
-            add_line_hessian(
-                ends,
-                offset,
-                chords.tension(index, length),
-                tangent,
-                curvature,
-                sink,
-            );
+        for (vertex, share) in chords.shares(index) {
+            gradient_n[vertex as usize] += pull * share;
         }
     }
 }
 
-fn offset(chords: &Chords, index: usize, positions_mm: &[Vec3]) -> Vec3 {
-    let [a, b] = chords.ends[index];
-    positions_mm[b as usize] - positions_mm[a as usize]
+/// Adds the Hessian of the energy; that of a slack segment is zero.
+pub fn add_hessian(chords: &Chords, positions_mm: &[Vec3], curvature: Curvature, sink: &mut impl BlockSink) {
+    for index in 0..chords.ends.len() {
+        let offset = chords.offset(index, positions_mm);
+        let length = offset.norm();
+        let taut = length > chords.rest_length_mm[index];
+        let tangent = chords.axial_stiffness_n[index] / chords.rest_length_mm[index];
+        let tangent = if taut { tangent } else { 0.0 };
+        let block = line_block(offset, chords.tension(index, length), tangent, curvature);
+        add_shared(chords, index, &block, sink);
+    }
+}
+
+/// Hands out the block of one segment to all vertices that share its ends.
+fn add_shared(chords: &Chords, index: usize, block: &Mat3, sink: &mut impl BlockSink) {
+    for (i, (a, of_a)) in chords.shares(index).enumerate() {
+        for (j, (b, of_b)) in chords.shares(index).enumerate().skip(i) {
+            // A vertex that shares both ends meets itself twice on the diagonal, which is handed out once.
+            let twice = if a == b && i != j { 2.0 } else { 1.0 };
+            sink.add(a, b, &(block * (twice * of_a * of_b)));
+        }
+    }
 }

@@ -2,8 +2,10 @@
 //!
 //! Every law offers the same three functions: `energy` [N·mm], `add_gradient` (minus the force, [N]) and
 //! `add_hessian`, which hands its 3×3 blocks [N/mm] to a sink. A block `(i, j)` with `i != j` stands for itself
-//! and for its transpose at `(j, i)`.
+//! and for its transpose at `(j, i)`. Which blocks come, and in which order, does not depend on the positions: a slack
+//! chord hands out zeros. So their places are looked up once.
 
+pub mod bending;
 pub mod bilinear_spring;
 pub mod chord;
 pub mod pressure;
@@ -33,8 +35,6 @@ impl<F: FnMut(u32, u32, &Mat3)> BlockSink for F {
 
 /// The Hessian of a two-point element: with direction n, length l, tension f(l) and tangent k = df/dl,
 /// K = k n nᵀ + (f / l)(I − n nᵀ) on the diagonal and −K off it.
-///
-/// A compressed element (f < 0) pushes sideways, which makes K indefinite; the projected form drops that.
 fn add_line_hessian(
     ends: [u32; 2],
     offset: Vec3,
@@ -43,18 +43,21 @@ fn add_line_hessian(
     curvature: Curvature,
     sink: &mut impl BlockSink,
 ) {
-    let length = offset.norm();
-    if length == 0.0 {
-        return;
-    }
-    let direction = offset / length;
-    let sideways = match curvature {
-        Curvature::Exact => tension_n / length,
-        Curvature::Projected => (tension_n / length).max(0.0),
-    };
-    let block = direction * direction.transpose() * (tangent_n_per_mm - sideways)
-        + Mat3::from_diagonal_element(sideways);
+    let block = line_block(offset, tension_n, tangent_n_per_mm, curvature);
     sink.add(ends[0], ends[0], &block);
     sink.add(ends[1], ends[1], &block);
     sink.add(ends[0], ends[1], &-block);
+}
+
+/// K of [`add_line_hessian`]. A compressed element (f < 0) pushes sideways, which makes K indefinite; the projected form
+/// drops that. Two points in one place have no direction, hence no stiffness; contact keeps that from happening.
+fn line_block(offset: Vec3, tension_n: f64, tangent_n_per_mm: f64, curvature: Curvature) -> Mat3 {
+    let length = offset.norm();
+    let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
+    let direction = offset * inverse;
+    let sideways = match curvature {
+        Curvature::Exact => tension_n * inverse,
+        Curvature::Projected => (tension_n * inverse).max(0.0),
+    };
+    direction * direction.transpose() * (tangent_n_per_mm - sideways) + Mat3::from_diagonal_element(sideways)
 }

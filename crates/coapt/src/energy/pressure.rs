@@ -12,6 +12,9 @@ use crate::Vec3;
 ///
 /// Face (a, b, c): ½ (b − a) × (c − a) is its vector area, so each vertex gets p/6 (b − a) × (c − a).
 pub fn add_gradient(faces: &[[u32; 3]], pressure_mpa: f64, positions_mm: &[Vec3], gradient_n: &mut [Vec3]) {
+    if pressure_mpa == 0.0 {
+        return;
+    }
     for face in faces {
         let [a, b, c] = face.map(|vertex| positions_mm[vertex as usize]);
         let force = (b - a).cross(&(c - a)) * (pressure_mpa / 6.0);
@@ -41,6 +44,9 @@ pub fn add_potential_gradient(
     positions_mm: &[Vec3],
     gradient_n: &mut [Vec3],
 ) {
+    if pressure_mpa == 0.0 {
+        return;
+    }
     let scale = pressure_mpa / 6.0;
     for face in faces {
         let [a, b, c] = face.map(|vertex| positions_mm[vertex as usize] - apex);
@@ -61,6 +67,9 @@ pub fn add_symmetric_tangent(
     positions_mm: &[Vec3],
     sink: &mut impl BlockSink,
 ) {
+    if pressure_mpa == 0.0 {
+        return;
+    }
     for face in faces {
         let corners = face.map(|vertex| positions_mm[vertex as usize]);
         for k in 0..3 {

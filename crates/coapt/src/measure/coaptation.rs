@@ -12,8 +12,9 @@ use crate::model::Model;
 /// How far the leaflets lie on each other.
 ///
 /// Tissue is in contact where its gap to another leaflet is within the contact thickness plus a tolerance (0.1 mm and
-/// 2 % of the local edge length, our choice): sealed at the resolution of the mesh. The gap runs linearly within each
-/// face, so that areas and lines do not jump from vertex to vertex. A valve given as one leaflet is measured by its
+/// 2 % of the local edge length, our choice): sealed at the resolution of the mesh. Within each face the root of the gap
+/// beyond the contact thickness runs linearly, as it does where round sheets part, so that areas and lines neither jump
+/// from vertex to vertex nor shrink on coarse meshes. A valve given as one leaflet is measured by its
 /// contact with itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CoaptationMeasures {
@@ -37,8 +38,13 @@ pub struct CoaptationMeasures {
 
 /// Measures coaptation; all zero when nothing touches.
 pub(super) fn coaptation(model: &Model, s: &Surface, gaps: &Gaps, seal: &Seal) -> CoaptationMeasures {
-    let clearance =
-        |gap: &[f64]| -> Vec<f64> { gap.iter().zip(&gaps.threshold_mm).map(|(g, t)| g - t).collect() };
+    let clearance = |gap: &[f64]| -> Vec<f64> {
+        let open = |distance: f64| (distance - model.contact.thickness_mm).max(0.0).sqrt();
+        gap.iter()
+            .zip(&gaps.threshold_mm)
+            .map(|(&g, &t)| open(g) - open(t))
+            .collect()
+    };
     let facing = clearance(&gaps.facing_mm);
     let mut m = CoaptationMeasures {
         area_mm2: contact_area(s, &facing) / 2.0,
@@ -258,15 +264,17 @@ mod tests {
     /// Strips 20 mm wide that lie on each other over 5 mm and part above it at 45° each: the line is 20 mm long, but
     /// for the ends, where edges and so the threshold differ a little. Above the bend the gap √((0.4 + z)² + z²) opens
     /// to the threshold 0.6 + 0.02 h at z = 0.18 mm, which the coaptation length contains, and times the width and √2
-    /// the area: 105.0 mm². The coarsest mesh, where the gap runs straight over 1 mm, finds 0.17 and 104.8.
+    /// the area: 105.0 mm². Parting at a sharp corner is the worst case for a rule made for round sheets: the line comes
+    /// out too high by up to a fifth of an edge.
     #[test]
     fn strips_that_part() {
         for n in [5, 10, 20] {
             let m = measured(&flared_strips(4 * n, n, 5.0));
             assert!((m.closure_line_mm - 20.0).abs() < 1e-4, "{m:?}");
-            assert!((m.length_mean_mm - 5.18).abs() < 0.015, "{m:?}");
+            let edge_mm = 5.0 / f64::from(n as u32);
+            assert!((m.length_mean_mm - 5.18).abs() < 0.2 * edge_mm, "{m:?}");
             assert!((m.length_max_mm - m.length_mean_mm).abs() < 2e-3, "{m:?}");
-            assert!((m.area_mm2 - 105.0).abs() < 0.3, "{m:?}");
+            assert!((m.area_mm2 - 105.0).abs() < 20.0 * 0.25 * edge_mm, "{m:?}");
             assert!((m.contact_depth_mm - m.area_mm2 / 20.0).abs() < 1e-4);
         }
     }

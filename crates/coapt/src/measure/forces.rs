@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use super::leaflet::strain;
 use crate::Vec3;
 use crate::model::Model;
 
@@ -41,15 +40,7 @@ pub struct PapillaryMeasures {
 /// Tension of each chord segment [N], shape `[segment]`: `E A (l/L₀ - 1)`, zero when slack (paper 003, section 2.2).
 pub fn chord_forces(model: &Model, positions_mm: &[Vec3]) -> Vec<f64> {
     let positions_mm = super::usable_positions(model, positions_mm);
-    let chords = &model.chords;
-    let segments = chords
-        .ends
-        .iter()
-        .zip(&chords.rest_length_mm)
-        .zip(&chords.axial_stiffness_n);
-    segments
-        .map(|((&ends, &rest), stiffness)| stiffness * strain(positions_mm, ends, rest).max(0.0))
-        .collect()
+    model.chords.tensions_n(positions_mm)
 }
 
 /// Largest tension and the total, over all chords and per group.
@@ -69,7 +60,12 @@ pub(super) fn chords(model: &Model, positions_mm: &[Vec3]) -> ChordMeasures {
         .zip(&model.chords.ends)
         .zip(&model.chords.group)
     {
-        let inserts = ends.iter().any(|&v| (v as usize) < model.leaflet_vertex_count);
+        let inserts = ends.iter().any(|&point| {
+            let vertices = &model.chords.points[point as usize];
+            vertices
+                .iter()
+                .any(|&(v, _)| (v as usize) < model.leaflet_vertex_count)
+        });
         let total = if inserts { tension } else { 0.0 };
         m.max_force_n = m.max_force_n.max(tension);
         m.total_force_n += total;
@@ -121,6 +117,7 @@ mod tests {
             .extend([Vec3::new(0.0, 0.0, -5.0), Vec3::new(0.0, 0.0, -10.0)]);
         let (node, tip) = (4, 5);
         model.chords = Chords {
+            points: (0..6).map(|vertex| vec![(vertex, 1.0)]).collect(),
             ends: vec![[tip, node], [node, 0], [node, 1], [tip, 2]],
             rest_length_mm: vec![4.0, 4.0, 29f64.sqrt() / 1.1, 50.0],
             axial_stiffness_n: vec![20.0, 10.0, 30.0, 40.0],

@@ -10,6 +10,7 @@ pub mod gap;
 pub mod leaflet;
 pub mod orifice;
 pub mod tenting;
+pub mod visible;
 
 mod distance;
 mod plane;
@@ -34,6 +35,7 @@ pub use gap::{gap_mm, in_contact};
 pub use leaflet::{LeafletMeasures, vertex_strain};
 pub use orifice::OrificeMeasures;
 pub use tenting::{BillowMeasures, TentingMeasures};
+pub use visible::{VisibleDistance, visible_distance};
 
 /// Everything that is reported of one closed state.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -71,6 +71,30 @@ impl Raster {
         }
     }
 
+    /// Height at a place, linear between the four pixel centres around it, of which empty ones are left out; nothing
+    /// where all are.
+    pub(super) fn height_at(&self, x: f64, y: f64) -> Option<f64> {
+        let place = |value: f64, axis: usize, count: usize| {
+            let place = (value - self.corner[axis]) / self.pixel_mm - 0.5;
+            place.clamp(0.0, (count - 1) as f64)
+        };
+        let (column, row) = (place(x, 0, self.columns), place(y, 1, self.rows));
+        let (mut sum, mut total) = (0.0, 0.0);
+        for r in [row.floor(), row.floor() + 1.0] {
+            for c in [column.floor(), column.floor() + 1.0] {
+                let weight = (1.0 - (column - c).abs()) * (1.0 - (row - r).abs());
+                if weight > 0.0 {
+                    let height = self.height_mm[r as usize * self.columns + c as usize];
+                    if height.is_finite() {
+                        sum += weight * height;
+                        total += weight;
+                    }
+                }
+            }
+        }
+        (total > 0.0).then(|| sum / total)
+    }
+
     /// Pixels whose centres may lie within the extent of a triangle along one axis.
     fn range(&self, axis: usize, count: usize, [a, b, c]: [f64; 3]) -> std::ops::Range<usize> {
         let place = |x: f64| (x - self.corner[axis]) / self.pixel_mm - 0.5;
@@ -186,6 +210,25 @@ mod tests {
                 assert!((painted - expected).abs() < 1e-12, "{row} {column} {painted}");
             }
         }
+    }
+
+    /// Between pixel centres a plane is read exactly, beyond the outermost ones as there, and empty pixels are left
+    /// out.
+    #[test]
+    fn heights_are_read_between_centres() {
+        let mut raster = Raster::over(&[p(0.0, 0.0, 0.0), p(4.0, 4.0, 0.0)], 1.0);
+        assert_eq!(raster.height_at(1.0, 1.0), None);
+        let plane = |x: f64, y: f64| p(x, y, 2.0 * x + y);
+        raster.paint([plane(0.0, 0.0), plane(8.0, 0.0), plane(0.0, 8.0)]);
+        for (x, y) in [(1.0, 1.0), (2.3, 1.9), (0.5, 3.5)] {
+            assert!(
+                (raster.height_at(x, y).unwrap() - 2.0 * x - y).abs() < 1e-12,
+                "{x} {y}"
+            );
+        }
+        assert!((raster.height_at(-5.0, 9.0).unwrap() - 4.5).abs() < 1e-12);
+        raster.height_mm[5] = f64::NEG_INFINITY;
+        assert!((raster.height_at(2.0, 1.5).unwrap() - 6.5).abs() < 1e-12);
     }
 
     /// A gap between two sheets of height 1 and 3 is bridged with heights between, and nothing beyond the mask.

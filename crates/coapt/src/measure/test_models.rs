@@ -30,10 +30,15 @@ pub(super) fn model_of(
         face_leaflet,
         leaflets: (0..leaflet_count).map(leaflet).collect(),
         springs: Springs::default(),
+        hinges: Default::default(),
         chords: Chords::default(),
         chord_groups: vec![],
         pressure_mpa: 0.0133,
-        contact: Contact::default(),
+        // Shapes with known answers are made for this thickness.
+        contact: Contact {
+            thickness_mm: 0.5,
+            ..Contact::default()
+        },
         annulus,
         margins,
         papillary: vec![],

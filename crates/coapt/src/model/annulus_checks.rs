@@ -3,6 +3,7 @@
 use super::annulus::{Found, positions, smallest_gap};
 use super::faults::{Faults, some};
 use super::surface::Surface;
+use crate::energy::chord::WeightedVertices;
 use crate::mesh::polyline;
 use crate::mesh::topology::{self, Chain};
 
@@ -51,13 +52,20 @@ pub(super) fn is_joined(surface: &Surface, loops: &[Chain], faults: &mut Faults)
 pub(crate) fn check_insertions(
     surface: &Surface,
     found: &Found,
-    chord_ends: &[[u32; 2]],
+    chord_points: &[WeightedVertices],
     faults: &mut Faults,
 ) {
     let mut held = found.annulus.vertices.clone();
     held.sort_unstable();
-    let on_leaflet = |&&vertex: &&u32| (vertex as usize) < surface.points.len();
-    let mut inserted: Vec<u32> = chord_ends.iter().flatten().filter(on_leaflet).copied().collect();
+    let leaflet_vertex = |&&(vertex, _): &&(u32, f64)| (vertex as usize) < surface.points.len();
+    let heaviest = |point: &WeightedVertices| {
+        point
+            .iter()
+            .filter(leaflet_vertex)
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|p| p.0)
+    };
+    let mut inserted: Vec<u32> = chord_points.iter().filter_map(heaviest).collect();
     inserted.sort_unstable();
     inserted.dedup();
     let on_annulus: Vec<u32> = inserted

@@ -1,5 +1,7 @@
-//! Where chord points belong: to a papillary tip, to a leaflet point, or to no other than themselves.
+//! Where chord points belong: to a papillary tip, to a leaflet, or to no other than themselves.
 
+use super::insertion::{self, Foot, Insertion, Spread};
+use super::surface::Surface;
 use crate::Vec3;
 use crate::mesh::point_grid::PointGrid;
 use crate::scene::{ChordGroup, Scene};
@@ -7,7 +9,7 @@ use crate::scene::{ChordGroup, Scene};
 /// What a chord point is welded to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Anchor {
-    /// A leaflet vertex.
+    /// An insertion in a leaflet.
     Leaflet(u32),
     /// A papillary tip, counted over all muscles.
     Tip(u32),
@@ -30,48 +32,69 @@ impl Segment {
     }
 }
 
-/// All segments, with the positions of the free chord nodes.
+/// All segments, with what their ends are welded to.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Attached {
     pub(crate) segments: Vec<Segment>,
+    /// Positions of the free chord nodes [mm], shape `[node]`.
     pub(crate) nodes: Vec<Vec3>,
+    /// Shape `[insertion]`.
+    pub(crate) insertions: Vec<Insertion>,
 }
 
-/// Welds chord points to each other (within the weld tolerance, across groups), then to tips and leaflet points.
+/// Welds chord points to each other (within the weld tolerance, across groups), then to tips and leaflets.
 ///
-/// A chord point takes a tip or leaflet point within the weld tolerance. Within the insertion tolerance it does
-/// so if it is the end of a chord, or of several that come from one side, and no neighbour along them is nearer: a
-/// finely drawn chord is inserted by its last point only, and may pass a leaflet. Tips go before leaflet points.
-pub(crate) fn attach(scene: &Scene, leaflet: &[Vec3], tips: &[Vec3]) -> Attached {
+/// A chord point takes a tip or the nearest point of a leaflet within the weld tolerance. Within the insertion tolerance
+/// it does so if it is the end of a chord, or of several that come from one side, and no neighbour along them is nearer:
+/// a finely drawn chord is inserted by its last point only, and may pass a leaflet. Tips go before leaflets.
+pub(crate) fn attach(scene: &Scene, leaflet: &Surface, tips: &[Vec3]) -> Attached {
     let (points, segments) = weld(scene);
     let mut neighbours = vec![Vec::new(); points.len()];
-    for &(_, _, [a, b]) in &segments {
+    let mut radius_mm = vec![0.0; points.len()];
+    for &(group, _, [a, b]) in &segments {
         neighbours[a as usize].push(b);
         neighbours[b as usize].push(a);
+        for end in [a, b] {
+            radius_mm[end as usize] = scene.chordae[group as usize].insertion_radius_mm;
+        }
     }
     let reach = scene.weld.insertion_tolerance_mm.max(scene.weld.tolerance_mm);
     let to_tip = nearest_of_all(&points, tips, reach);
-    let to_leaflet = nearest_of_all(&points, leaflet, reach);
-    let takes = |near: &[Option<(u32, f64)>], node: usize| {
-        let (target, distance) = near[node]?;
-        let others = &neighbours[node];
-        let further = |&other: &u32| near[other as usize].is_none_or(|(_, d)| d > distance);
-        let inserts = others.len() <= 1 || (others.iter().all(further) && ends_here(&points, node, others));
-        (distance <= scene.weld.tolerance_mm || inserts).then_some(target)
+    let to_leaflet: Vec<Option<Foot>> = points
+        .iter()
+        .map(|&p| insertion::foot(leaflet, p, reach))
+        .collect();
+    let tip_distance = |node: usize| to_tip[node].map(|(_, distance)| distance);
+    let leaflet_distance = |node: usize| to_leaflet[node].as_ref().map(|foot| foot.distance_mm);
+    let takes = |away: &dyn Fn(usize) -> Option<f64>, node: usize| {
+        away(node).is_some_and(|distance| {
+            let others = &neighbours[node];
+            let further = |&other: &u32| away(other as usize).is_none_or(|d| d > distance);
+            let inserts =
+                others.len() <= 1 || (others.iter().all(further) && ends_here(&points, node, others));
+            distance <= scene.weld.tolerance_mm || inserts
+        })
     };
-    let anchor = |node: u32| match (takes(&to_tip, node as usize), takes(&to_leaflet, node as usize)) {
-        (Some(tip), _) => Anchor::Tip(tip),
-        (None, Some(vertex)) => Anchor::Leaflet(vertex),
-        (None, None) => Anchor::Node(node),
+    let spread = Spread::new(leaflet);
+    let mut insertions = Vec::new();
+    let mut anchor = |node: usize| match (to_tip[node], &to_leaflet[node]) {
+        (Some((tip, _)), _) if takes(&tip_distance, node) => Anchor::Tip(tip),
+        (_, Some(foot)) if takes(&leaflet_distance, node) => {
+            insertions.push(spread.insertion(foot, radius_mm[node]));
+            Anchor::Leaflet(insertions.len() as u32 - 1)
+        }
+        _ => Anchor::Node(node as u32),
     };
+    let anchors: Vec<Anchor> = (0..points.len()).map(&mut anchor).collect();
     let segments = segments.into_iter().map(|(group, number, ends)| Segment {
         group,
         number,
-        ends: ends.map(anchor),
+        ends: ends.map(|end| anchors[end as usize]),
     });
     Attached {
         segments: segments.collect(),
         nodes: points,
+        insertions,
     }
 }
 

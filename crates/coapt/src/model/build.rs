@@ -5,7 +5,7 @@ use super::chordae::{self, Strung};
 use super::faults::Faults;
 use super::surface::{self, Surface};
 use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
-use super::{annulus_checks, cleaning, facing, springs, validate};
+use super::{annulus_checks, cleaning, facing, hinges, springs, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
 use crate::mesh::polyline;
@@ -52,9 +52,9 @@ impl Model {
         faults.stop()?;
         let mut found = found.ok_or_else(Vec::new)?;
         facing::face_atrium(&mut surface, &mut found, &mut loops, &tips, &mut faults);
-        let strung = chordae::string(scene, &surface.points, &tips, &mut faults);
+        let strung = chordae::string(scene, &surface, &tips, &mut faults);
         check_ties(&surface, &edges, &found, &strung, &mut faults);
-        annulus_checks::check_insertions(&surface, &found, &strung.chords.ends, &mut faults);
+        annulus_checks::check_insertions(&surface, &found, &strung.chords.points, &mut faults);
         faults.stop()?;
         annulus_checks::tell_holes(&surface, &found, &loops, &mut faults);
         let model = assemble(scene, &surface, &edges, &found, &loops, strung, &mut faults);
@@ -70,8 +70,8 @@ impl Model {
 fn check_ties(surface: &Surface, edges: &Edges, found: &Found, strung: &Strung, faults: &mut Faults) {
     let (component, count) = topology::components(surface.faces.len(), edges);
     let mut held = vec![false; surface.points.len()];
-    let chord_ends = strung.chords.ends.iter().flatten();
-    for &vertex in found.annulus.vertices.iter().chain(chord_ends) {
+    let chord_points = strung.chords.points.iter().flatten().map(|(vertex, _)| vertex);
+    for &vertex in found.annulus.vertices.iter().chain(chord_points) {
         if let Some(slot) = held.get_mut(vertex as usize) {
             *slot = true;
         }
@@ -118,6 +118,7 @@ fn assemble(
         name: scene.name.clone(),
         landmarks: find_landmarks(scene, surface, edges, found, faults),
         springs: springs::springs(surface, edges, &scene.leaflets),
+        hinges: hinges::hinges(surface, edges, &scene.leaflets),
         chords: strung.chords,
         rest_mm,
         leaflet_vertex_count,

@@ -1,17 +1,18 @@
 //! Chordae ready to pull: every segment between two vertices, with rest length and stiffness.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::attachment::{self, Anchor, Attached, Segment};
 use super::chord_checks::{check_components, refuse_short_circuits};
 use super::faults::Faults;
+use super::surface::Surface;
 use crate::Vec3;
 use crate::energy::chord::Chords;
 use crate::scene::Scene;
 
 /// Rest lengths outside these multiples of the open end distance are doubted (hard limits of plausible slack and
 /// pre-stretch; our choice).
-const DOUBTFUL_SLACK: f64 = 2.0;
+const DOUBTFUL_SLACK: f64 = 2.5;
 const DOUBTFUL_STRETCH: f64 = 0.5;
 
 /// Chords over the vertices leaflets, `nodes`, tips, in this order.
@@ -23,7 +24,7 @@ pub(crate) struct Strung {
 }
 
 /// Welds, checks and numbers the chordae.
-pub(crate) fn string(scene: &Scene, leaflet: &[Vec3], tips: &[Vec3], faults: &mut Faults) -> Strung {
+pub(crate) fn string(scene: &Scene, leaflet: &Surface, tips: &[Vec3], faults: &mut Faults) -> Strung {
     let mut attached = attachment::attach(scene, leaflet, tips);
     refuse_short_circuits(&attached, faults);
     drop_duplicates(&mut attached.segments, faults);
@@ -31,8 +32,8 @@ pub(crate) fn string(scene: &Scene, leaflet: &[Vec3], tips: &[Vec3], faults: &mu
     if faults.any_error() {
         return Strung::default();
     }
-    drop_free_ends(&mut attached, leaflet, faults);
-    number(scene, &attached, leaflet, tips, faults)
+    drop_free_ends(&mut attached, &leaflet.points, faults);
+    number(scene, &attached, &leaflet.points, tips, faults)
 }
 
 fn drop_duplicates(segments: &mut Vec<Segment>, faults: &mut Faults) {
@@ -100,37 +101,53 @@ fn number(
     tips: &[Vec3],
     faults: &mut Faults,
 ) -> Strung {
-    let mut used = vec![false; attached.nodes.len()];
-    for end in attached.segments.iter().flat_map(|s| s.ends) {
-        if let Anchor::Node(node) = end {
-            used[node as usize] = true;
-        }
-    }
-    let kept: Vec<usize> = (0..used.len()).filter(|&n| used[n]).collect();
-    let mut number = vec![0; used.len()];
-    kept.iter()
-        .enumerate()
-        .for_each(|(i, &node)| number[node] = (leaflet.len() + i) as u32);
-    let first_tip = (leaflet.len() + kept.len()) as u32;
-    let place = |end: Anchor| match end {
-        Anchor::Leaflet(vertex) => (vertex, leaflet[vertex as usize]),
-        Anchor::Tip(tip) => (first_tip + tip, tips[tip as usize]),
-        Anchor::Node(node) => (number[node as usize], attached.nodes[node as usize]),
+    let anchors: BTreeSet<Anchor> = attached.segments.iter().flat_map(|s| s.ends).collect();
+    let node = |anchor: &Anchor| match *anchor {
+        Anchor::Node(node) => Some(attached.nodes[node as usize]),
+        _ => None,
     };
-    let mut chords = Chords::default();
+    let nodes: Vec<Vec3> = anchors.iter().filter_map(node).collect();
+    let first_tip = (leaflet.len() + nodes.len()) as u32;
+    let mut vertices = leaflet.len() as u32..first_tip;
+    let (mut chords, mut number) = (Chords::default(), BTreeMap::new());
+    for &anchor in &anchors {
+        number.insert(anchor, chords.points.len() as u32);
+        chords.points.push(match anchor {
+            Anchor::Leaflet(insertion) => attached.insertions[insertion as usize].vertices.clone(),
+            Anchor::Tip(tip) => vec![(first_tip + tip, 1.0)],
+            // As many vertices as nodes: each takes the next.
+            Anchor::Node(_) => vertices.next().map(|vertex| (vertex, 1.0)).into_iter().collect(),
+        });
+    }
+    let vertices_mm = [leaflet, &nodes, tips].concat();
     for segment in &attached.segments {
-        let [(a, from), (b, to)] = segment.ends.map(place);
-        chords.ends.push([a, b]);
+        let ends = segment.ends.map(|end| number[&end]);
+        let drawn = distance(segment.ends.map(|end| place(attached, tips, end)));
+        let pulling = distance(ends.map(|end| chords.point_mm(end, &vertices_mm)));
+        chords.ends.push(ends);
+        // Lengths are given to the insertion; the chord pulls at the middle of its patch, at a margin a little inward.
+        // In no geometry does that take up the whole chord.
+        let length = rest_length(scene, segment, drawn, faults);
         chords
             .rest_length_mm
-            .push(rest_length(scene, segment, (to - from).norm(), faults));
+            .push((length + (pulling - drawn)).max(0.1 * length));
         chords.axial_stiffness_n.push(axial_stiffness(scene, segment));
         chords.group.push(segment.group);
     }
-    Strung {
-        chords,
-        nodes: kept.iter().map(|&node| attached.nodes[node]).collect(),
+    Strung { chords, nodes }
+}
+
+/// Where a chord end was drawn or welded to.
+fn place(attached: &Attached, tips: &[Vec3], end: Anchor) -> Vec3 {
+    match end {
+        Anchor::Leaflet(insertion) => attached.insertions[insertion as usize].at_mm,
+        Anchor::Tip(tip) => tips[tip as usize],
+        Anchor::Node(node) => attached.nodes[node as usize],
     }
+}
+
+fn distance([a, b]: [Vec3; 2]) -> f64 {
+    (b - a).norm()
 }
 
 /// Given, else the distance between the welded ends; times the group's factor.
@@ -161,6 +178,12 @@ fn axial_stiffness(scene: &Scene, segment: &Segment) -> f64 {
 mod tests {
     use super::super::fixtures::{COLUMNS, ROWS, built, faults, lines, skirt, skirt_point, told};
     use super::*;
+    use crate::model::Model;
+
+    fn at(model: &Model, segment: usize, end: usize) -> Vec3 {
+        let chords = &model.chords;
+        chords.point_mm(chords.ends[segment][end], &model.rest_mm)
+    }
 
     #[test]
     fn chords_join_tips_nodes_and_leaflets() {
@@ -168,14 +191,11 @@ mod tests {
         let chords = &model.chords;
         let nodes = (COLUMNS * ROWS) as u32;
         assert_eq!(chords.ends.len(), 6);
-        assert_eq!(chords.ends[0], [nodes + 2, nodes]);
-        assert_eq!(
-            model.rest_mm[chords.ends[1][1] as usize],
-            Vec3::from(skirt_point(11, ROWS - 1))
-        );
-        for (i, [a, b]) in chords.ends.iter().enumerate() {
-            let open = (model.rest_mm[*a as usize] - model.rest_mm[*b as usize]).norm();
-            assert_eq!(chords.rest_length_mm[i], open);
+        let vertex = |end: usize| &chords.points[chords.ends[0][end] as usize][..];
+        assert_eq!([vertex(0), vertex(1)], [[(nodes + 2, 1.0)], [(nodes, 1.0)]]);
+        assert_eq!(at(&model, 1, 1), Vec3::from(skirt_point(11, ROWS - 1)));
+        for (i, rest) in chords.rest_length_mm.iter().enumerate() {
+            assert_eq!(*rest, distance([at(&model, i, 0), at(&model, i, 1)]));
         }
         // E A with the default rod of 1 mm and 30 MPa.
         assert_eq!(chords.axial_stiffness_n[0], 30.0 * std::f64::consts::FRAC_PI_4);
@@ -205,7 +225,8 @@ mod tests {
         mesh.segments.push([8, 2]);
         let model = built(&scene).model;
         assert_eq!(model.rest_mm.len(), model.leaflet_vertex_count + 3 + 2);
-        assert_eq!(model.rest_mm[model.chords.ends[6][1] as usize], end);
+        let drawn = end + step * 0.3;
+        assert!((at(&model, 6, 1) - drawn).norm() <= 0.3);
     }
 
     #[test]
@@ -228,10 +249,9 @@ mod tests {
         mesh.segments[5] = [5, 9];
         mesh.segments.push([9, 6]);
         let model = built(&scene).model;
-        let at = |segment: usize, end: usize| model.rest_mm[model.chords.ends[segment][end] as usize];
-        assert_eq!(at(1, 1).z, skirt_point(12, ROWS - 1)[2] - 0.9, "passes");
-        assert_eq!(at(4, 1), Vec3::from(skirt_point(0, ROWS - 1)));
-        assert_eq!(at(7, 1), Vec3::from(skirt_point(0, ROWS - 1)));
+        assert_eq!(at(&model, 1, 1).z, skirt_point(12, ROWS - 1)[2] - 0.9, "passes");
+        assert_eq!(at(&model, 4, 1), Vec3::from(skirt_point(0, ROWS - 1)));
+        assert_eq!(at(&model, 7, 1), Vec3::from(skirt_point(0, ROWS - 1)));
     }
 
     #[test]

@@ -88,6 +88,7 @@ fn chords() -> ChordGroup {
         diameter_mm: 1.0,
         modulus_mpa: 30.0,
         rest_length_scale: 1.0,
+        insertion_radius_mm: 0.0,
     }
 }
 

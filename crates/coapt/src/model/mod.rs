@@ -11,7 +11,9 @@ mod facing;
 mod faults;
 #[cfg(test)]
 pub(crate) mod fixtures;
-mod springs;
+pub(crate) mod hinges;
+mod insertion;
+pub(crate) mod springs;
 mod surface;
 mod validate;
 mod validate_numbers;
@@ -19,7 +21,7 @@ mod validate_numbers;
 pub use build::Built;
 
 use crate::Vec3;
-use crate::energy::{bilinear_spring::Springs, chord::Chords};
+use crate::energy::{bending::Hinges, bilinear_spring::Springs, chord::Chords};
 pub use crate::mesh::landmarks::AnnulusLandmarks;
 use crate::scene::{Contact, Settings};
 
@@ -40,6 +42,8 @@ pub struct Model {
     pub leaflets: Vec<LeafletTissue>,
     /// Leaflet springs.
     pub springs: Springs,
+    /// Edges about which the leaflets resist bending.
+    pub hinges: Hinges,
     /// Chordae.
     pub chords: Chords,
     /// Names of the chord groups.

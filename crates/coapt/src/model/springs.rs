@@ -1,37 +1,76 @@
 //! Spring constants from the leaflets' moduli.
 
 use super::surface::Surface;
+use crate::Vec3;
 use crate::energy::bilinear_spring::Springs;
 use crate::mesh::topology::Edges;
 use crate::scene::{Leaflet, Tissue};
 
+/// What a face is made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct FaceTissue {
+    /// Thickness [mm].
+    pub(crate) thickness_mm: f64,
+    /// Modulus below the transition [MPa].
+    pub(crate) soft_mpa: f64,
+    /// Modulus above the transition [MPa].
+    pub(crate) stiff_mpa: f64,
+    /// Modulus in compression [MPa].
+    pub(crate) compression_mpa: f64,
+    /// Transition strain times the modulus below it [MPa].
+    pub(crate) knee_mpa: f64,
+}
+
+/// The springs of leaflets that are each of one tissue.
+pub(crate) fn springs(surface: &Surface, edges: &Edges, leaflets: &[Leaflet]) -> Springs {
+    let tissues: Vec<FaceTissue> = leaflets.iter().map(of_leaflet).collect();
+    let of_face = |face: usize| tissues[surface.face_leaflet[face] as usize];
+    of_faces(&surface.points, &surface.faces, edges, of_face)
+}
+
+fn of_leaflet(leaflet: &Leaflet) -> FaceTissue {
+    let Tissue::BilinearSprings {
+        pre_transition_modulus_mpa,
+        transition_strain,
+        post_transition_modulus_mpa,
+        compression_modulus_ratio,
+        ..
+    } = leaflet.tissue;
+    FaceTissue {
+        thickness_mm: leaflet.thickness_mm,
+        soft_mpa: pre_transition_modulus_mpa,
+        stiff_mpa: post_transition_modulus_mpa,
+        compression_mpa: compression_modulus_ratio * pre_transition_modulus_mpa,
+        knee_mpa: transition_strain * pre_transition_modulus_mpa,
+    }
+}
+
 /// One spring per edge. Each face next to it adds E t A / L² (Van Gelder 1998: stiffness goes with triangle area
-/// over edge length squared), in its own leaflet's tissue; on equilateral triangles this is exactly a membrane of
+/// over edge length squared), in its own tissue; on equilateral triangles this is exactly a membrane of
 /// modulus E and Poisson ratio 1/3 (Lloyd, Székely & Harders 2007).
 ///
 /// The stiff branch begins at (1 + transition strain) times the rest length; where two tissues meet, at the mean
 /// weighted by their soft stiffnesses.
-pub(crate) fn springs(surface: &Surface, edges: &Edges, leaflets: &[Leaflet]) -> Springs {
+pub(crate) fn of_faces(
+    points: &[Vec3],
+    faces: &[[u32; 3]],
+    edges: &Edges,
+    tissue: impl Fn(usize) -> FaceTissue,
+) -> Springs {
     let mut springs = Springs::default();
     for edge in 0..edges.len() {
         let [a, b] = edges.ends[edge];
-        let length = (surface.points[a as usize] - surface.points[b as usize]).norm();
+        let length = (points[a as usize] - points[b as usize]).norm();
         let (mut soft, mut stiff, mut compression, mut knee) = (0.0, 0.0, 0.0, 0.0);
         for &face in edges.faces_of(edge) {
-            let leaflet = &leaflets[surface.face_leaflet[face as usize] as usize];
-            let Tissue::BilinearSprings {
-                pre_transition_modulus_mpa,
-                transition_strain,
-                post_transition_modulus_mpa,
-                compression_modulus_ratio,
-            } = leaflet.tissue;
-            let [p, q, r] = surface.corners(face as usize);
+            let tissue = tissue(face as usize);
+            let [p, q, r] = faces[face as usize].map(|v| points[v as usize]);
             let area = 0.5 * (q - p).cross(&(r - p)).norm();
-            let width = leaflet.thickness_mm * area / (length * length);
-            soft += pre_transition_modulus_mpa * width;
-            stiff += post_transition_modulus_mpa * width;
-            compression += compression_modulus_ratio * pre_transition_modulus_mpa * width;
-            knee += transition_strain * pre_transition_modulus_mpa * width;
+            let width = tissue.thickness_mm * area / (length * length);
+            soft += tissue.soft_mpa * width;
+            stiff += tissue.stiff_mpa * width;
+            compression += tissue.compression_mpa * width;
+            knee += tissue.knee_mpa * width;
         }
         springs.ends.push([a, b]);
         springs.rest_length_mm.push(length);
@@ -47,7 +86,6 @@ pub(crate) fn springs(surface: &Surface, edges: &Edges, leaflets: &[Leaflet]) ->
 mod tests {
     use super::super::fixtures::skirt;
     use super::*;
-    use crate::Vec3;
     use crate::mesh::topology;
 
     #[test]
@@ -67,6 +105,7 @@ mod tests {
             transition_strain: knee,
             post_transition_modulus_mpa: 10.0,
             compression_modulus_ratio: 0.5,
+            bending_modulus_ratio: 0.0,
         };
         leaflets[0].tissue = tissue(2.0, 0.1);
         leaflets[1].tissue = tissue(6.0, 0.3);

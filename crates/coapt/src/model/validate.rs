@@ -63,6 +63,7 @@ fn tissue(tissue: &Tissue, place: &str, faults: &mut Faults) {
         transition_strain,
         post_transition_modulus_mpa: stiff,
         compression_modulus_ratio,
+        bending_modulus_ratio,
     } = *tissue;
     positive(
         soft,
@@ -82,12 +83,12 @@ fn tissue(tissue: &Tissue, place: &str, faults: &mut Faults) {
         "",
         faults,
     );
-    not_negative(
-        compression_modulus_ratio,
-        &format!("{place}.compression_modulus_ratio"),
-        "",
-        faults,
-    );
+    for (ratio, key) in [
+        (compression_modulus_ratio, "compression_modulus_ratio"),
+        (bending_modulus_ratio, "bending_modulus_ratio"),
+    ] {
+        not_negative(ratio, &format!("{place}.{key}"), "", faults);
+    }
     if stiff < soft {
         let message =
             format!("is {stiff} MPa, below the pre-transition modulus {soft} MPa; collagen stiffens tissue");
@@ -147,6 +148,12 @@ fn chord_group(group: &ChordGroup, place: &str, faults: &mut Faults) {
         "",
         faults,
     );
+    not_negative(
+        group.insertion_radius_mm,
+        &format!("{place}.insertion_radius_mm"),
+        "mm",
+        faults,
+    );
     match &group.mesh {
         Some(mesh) => lines(mesh, &format!("{place}.mesh"), faults),
         None => faults.error(
@@ -204,6 +211,11 @@ fn settings(scene: &Scene, faults: &mut Faults) {
     if !(tolerance > 0.0 && tolerance < 1.0) {
         let message = format!("is {tolerance}, expected above 0 and below 1");
         faults.error("settings.residual_tolerance", message);
+    }
+    let step_scale = scene.settings.step_scale;
+    if !(step_scale.is_finite() && (0.01..=100.0).contains(&step_scale)) {
+        let message = format!("is {step_scale}, expected 0.01 to 100");
+        faults.error("settings.step_scale", message);
     }
     if scene.settings.iteration_limit == 0 {
         faults.error("settings.iteration_limit", "is 0, expected at least 1");
@@ -326,6 +338,7 @@ mod tests {
             transition_strain: knee,
             post_transition_modulus_mpa: stiff,
             compression_modulus_ratio: 1.0,
+            bending_modulus_ratio: 1.0,
         };
     }
 

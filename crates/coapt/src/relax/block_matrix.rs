@@ -15,27 +15,36 @@ pub struct BlockMatrix {
 
 impl BlockMatrix {
     /// A zero matrix with a full diagonal and room for the given off-diagonal places.
-    pub fn with_pattern(size: usize, mut places: Vec<[u32; 2]>) -> Self {
-        for place in &mut places {
-            // (column, row) with column <= row.
-            place.sort_unstable();
-        }
-        places.extend((0..size as u32).map(|index| [index, index]));
-        places.sort_unstable();
-        places.dedup();
+    pub fn with_pattern(size: usize, places: &[[u32; 2]]) -> Self {
+        // Sorted by row and then, stably, by column: two counting sorts.
+        let diagonal = (0..size as u32).map(|index| [index, index]);
+        let lower = places.iter().map(|&[i, j]| [i.max(j), i.min(j)]);
+        let mut by_row = Vec::new();
+        counting_sort(size, lower.chain(diagonal), |&[row, _]| row, &mut by_row);
+        let mut sorted = Vec::new();
+        counting_sort(size, by_row.iter().copied(), |&[_, column]| column, &mut sorted);
+        sorted.dedup();
         let mut column_starts = vec![0; size + 1];
-        for [column, _] in &places {
+        for [_, column] in &sorted {
             column_starts[*column as usize + 1] += 1;
         }
         for column in 0..size {
             column_starts[column + 1] += column_starts[column];
         }
-        let rows: Vec<u32> = places.iter().map(|&[_, row]| row).collect();
+        let rows: Vec<u32> = sorted.iter().map(|&[row, _]| row).collect();
         Self {
             column_starts,
             blocks: vec![Mat3::zeros(); rows.len()],
             rows,
         }
+    }
+
+    /// The off-diagonal places of the pattern, each once: row, column.
+    pub fn places(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        (0..self.size()).flat_map(move |column| {
+            let below = self.column_starts[column] + 1..self.column_starts[column + 1];
+            below.map(move |slot| [self.rows[slot], column as u32])
+        })
     }
 
     /// Number of block rows.
@@ -48,37 +57,74 @@ impl BlockMatrix {
         self.blocks.fill(Mat3::zeros());
     }
 
-    /// Adds a block at `(row, column)` and, by symmetry, its transpose at `(column, row)`. False if the pattern
-    /// has no such place.
-    pub fn add(&mut self, row: u32, column: u32, block: &Mat3) -> bool {
+    /// Where the block of `(row, column)` and `(column, row)` is kept; nothing if the pattern has no such place.
+    #[inline]
+    pub fn slot(&self, row: u32, column: u32) -> Option<usize> {
         let (low, high) = (row.min(column), row.max(column));
         let start = self.column_starts[low as usize];
-        let end = self.column_starts[low as usize + 1];
-        let slot = if low == high {
-            Ok(0)
-        } else {
-            self.rows[start..end].binary_search(&high)
-        };
-        match slot {
-            Ok(slot) if row >= column => self.blocks[start + slot] += block,
-            Ok(slot) => self.blocks[start + slot] += block.transpose(),
-            Err(_) => return false,
+        if low == high {
+            return Some(start);
         }
-        true
+        let end = self.column_starts[low as usize + 1];
+        // Halving takes a fifth less time than looking at each of two dozen rows, a third less than at each of forty.
+        let found = self.rows[start..end].binary_search(&high).ok();
+        found.map(|offset| start + offset)
+    }
+
+    /// Adds a block to a slot, or its transpose where the block lies above the diagonal.
+    #[inline]
+    pub fn add_at(&mut self, slot: usize, above: bool, block: &Mat3) {
+        if above {
+            self.blocks[slot] += block.transpose();
+        } else {
+            self.blocks[slot] += block;
+        }
+    }
+
+    /// Adds a block at `(row, column)` and, by symmetry, its transpose at `(column, row)`. False if the pattern has no
+    /// such place.
+    pub fn add(&mut self, row: u32, column: u32, block: &Mat3) -> bool {
+        let slot = self.slot(row, column);
+        if let Some(slot) = slot {
+            self.add_at(slot, row < column, block);
+        }
+        slot.is_some()
     }
 
     /// The product with a vector, shape `[size]`.
-    pub fn multiply(&self, vector: &[Vec3]) -> Vec<Vec3> {
-        let mut product = vec![Vec3::zeros(); self.size()];
-        for column in 0..self.size() {
-            for slot in self.column_starts[column]..self.column_starts[column + 1] {
-                let row = self.rows[slot] as usize;
-                product[row] += self.blocks[slot] * vector[column];
-                if row != column {
-                    product[column] += self.blocks[slot].tr_mul(&vector[row]);
-                }
+    pub fn multiply_into(&self, vector: &[Vec3], product: &mut [Vec3]) {
+        product.fill(Vec3::zeros());
+        for (column, ends) in self.column_starts.windows(2).enumerate() {
+            let (rows, blocks) = (&self.rows[ends[0]..ends[1]], &self.blocks[ends[0]..ends[1]]);
+            let value = vector[column];
+            let mut sum = blocks[0] * value;
+            for (&row, block) in rows.iter().zip(blocks).skip(1) {
+                product[row as usize] += block * value;
+                sum += block.tr_mul(&vector[row as usize]);
             }
+            product[column] += sum;
         }
-        product
+    }
+}
+
+/// Sorts places by one of their indices, all below `size`; those with the same stay in order.
+fn counting_sort(
+    size: usize,
+    places: impl Iterator<Item = [u32; 2]> + Clone,
+    index: impl Fn(&[u32; 2]) -> u32,
+    sorted: &mut Vec<[u32; 2]>,
+) {
+    let mut next = vec![0_usize; size + 1];
+    for place in places.clone() {
+        next[index(&place) as usize + 1] += 1;
+    }
+    for k in 0..size {
+        next[k + 1] += next[k];
+    }
+    sorted.resize(next[size], [0; 2]);
+    for place in places {
+        let next = &mut next[index(&place) as usize];
+        sorted[*next] = place;
+        *next += 1;
     }
 }

@@ -4,15 +4,19 @@ pub mod block_matrix;
 pub mod certificate;
 pub mod cholesky;
 pub mod krylov;
+mod levels;
 pub mod load;
-pub mod newton;
+mod newton;
 pub mod stability;
 mod system;
 
 use crate::Vec3;
+use crate::contact::crossing::crossings;
 use crate::model::Model;
 use crate::state::State;
 pub use certificate::Certificate;
+use certificate::certify;
+use newton::Newton;
 
 /// Where the solver came to rest, and why.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,9 +60,79 @@ pub struct Iteration {
     pub fraction: f64,
     /// Whether the exact tangent was used.
     pub exact: bool,
+    /// Faces of the mesh that it worked on: the valve's own or a coarser one's.
+    pub faces: usize,
 }
 
-/// Relaxes a valve from a state until forces balance.
+/// Relaxes a valve from a state until forces balance. An open valve is closed on coarser meshes first
+/// ([`Settings::coarse_to_fine`](crate::scene::Settings)).
 pub fn relax(model: &Model, start: &State) -> Equilibrium {
-    newton::relax(model, start)
+    let mut newton = Newton::new(model);
+    let mut positions = start.positions_mm.clone();
+    let mut history = Vec::new();
+    if !crossings(&newton.surface, &positions).is_empty() {
+        return conclude(&mut newton, positions, Status::TangledStart, history);
+    }
+    newton.evaluate(&positions);
+    let at_rest = newton.residual(&newton.gradient) <= model.settings.residual_tolerance;
+    if model.settings.coarse_to_fine && positions == model.rest_mm && !at_rest {
+        positions = levels::begin(&mut newton, &mut history).unwrap_or(positions);
+    }
+    let status = newton.iterate(&mut positions, &mut history);
+    conclude(&mut newton, positions, status, history)
+}
+
+/// A closed valve whose supports are moved bit by bit, as by a slider: each closure begins where the last one ended, with
+/// what the solver has learnt and room for its matrices.
+pub struct Interactive<'a> {
+    newton: Newton<'a>,
+    positions_mm: Vec<Vec3>,
+}
+
+impl<'a> Interactive<'a> {
+    /// Goes on from a closed valve.
+    pub fn new(model: &'a Model, closed: &Equilibrium) -> Self {
+        Self {
+            newton: Newton::new(model),
+            positions_mm: closed.state.positions_mm.clone(),
+        }
+    }
+
+    /// Moves the prescribed vertices, those of [`Model::prescribed`] in its order, to new places [mm] and closes the valve
+    /// again.
+    pub fn close(&mut self, targets_mm: &[Vec3]) -> Equilibrium {
+        for (prescribed, target_mm) in self.newton.prescribed.iter_mut().zip(targets_mm) {
+            prescribed.target_mm = *target_mm;
+        }
+        let mut history = Vec::new();
+        let status = self.newton.iterate(&mut self.positions_mm, &mut history);
+        conclude(&mut self.newton, self.positions_mm.clone(), status, history)
+    }
+}
+
+fn conclude(
+    newton: &mut Newton,
+    positions: Vec<Vec3>,
+    status: Status,
+    history: Vec<Iteration>,
+) -> Equilibrium {
+    let model = newton.model;
+    newton.evaluate(&positions);
+    let residual = newton.residual(&newton.gradient);
+    let stable = newton.is_stable(&positions);
+    let certificate = certify(model, &newton.surface, &newton.near, &positions, residual, stable);
+    let mut reactions_n = vec![Vec3::zeros(); positions.len()];
+    for prescribed in &newton.prescribed {
+        // The valve pulls on its support with minus the gradient.
+        reactions_n[prescribed.vertex as usize] = -newton.gradient[prescribed.vertex as usize];
+    }
+    Equilibrium {
+        state: State {
+            positions_mm: positions,
+        },
+        status,
+        certificate,
+        reactions_n,
+        history,
+    }
 }

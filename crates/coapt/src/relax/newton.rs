@@ -2,134 +2,163 @@
 //!
 //! Each iteration solves (K + μ A) d = −g for the step d: K the tangent, A the area around each vertex, μ a
 //! damping that falls while steps succeed and rises when they fail. Every vertex then goes as far along its step
-//! as contact allows, and the step is halved until the merit function falls. Near the equilibrium K is the
-//! exact tangent and a few products with the true, unsymmetric one sharpen the step.
+//! as contact allows, and the step is shortened until the force no longer points back along it. Near the equilibrium K
+//! is the exact tangent and a few products with the true, unsymmetric one sharpen the step.
+//!
+//! The line search asks forces, not energies: pressure on a free margin has no energy, and the force at the end of the
+//! step is what the next iteration begins with.
 
-use super::certificate::certify;
 use super::load::{self, Merit};
-use super::system::System;
-use super::{Equilibrium, Iteration, Status, stability};
+use super::system::{Moved, System};
+use super::{Iteration, Status, stability};
 use crate::Vec3;
-use crate::contact::crossing::crossings;
-use crate::contact::pairs::{Pair, PairList, largest_distance};
+use crate::contact::pairs::{Pair, PairList, Place, longest_mm, rigid_fraction};
 use crate::contact::step_bound;
 use crate::contact::surface::Surface;
 use crate::energy::Curvature;
-use crate::model::Model;
-use crate::state::State;
+use crate::model::{Model, Prescribed};
 
 /// Longest step of a vertex, as a part of the valve's size [1]. Larger steps overshoot while the soft branch of
 /// the springs still rules; smaller ones only cost iterations.
 const STEP_LIMIT: f64 = 0.01;
 /// Longest step of a vertex in mean edge lengths [1]: fine meshes pay for long steps with long pair lists.
 const STEP_LIMIT_EDGES: f64 = 0.5;
+/// How far prescribed vertices go in a Newton step, in longest steps [1]: free ones must keep up.
+const BOUNDARY_STEP: f64 = 0.25;
 /// The exact tangent is tried from this residual on: farther out it is indefinite nearly always.
 const EXACT_BELOW: f64 = 0.3;
+/// And where the projected one crawls, since it is far too stiff along the way: the residual stays above this part of the
+/// last [1] for so many steps.
+const CRAWLING: f64 = 0.9;
+const CRAWL_LIMIT: u32 = 4;
 /// Relative residual of a Newton step [1]: Newton squares its error at best, and far away it cannot use more.
-const NEWTON_TOLERANCE: f64 = 1e-4;
+const NEWTON_TOLERANCE: f64 = 1e-2;
 /// Relative residual of the solutions that eigenvalues are found from [1].
-const EIGEN_TOLERANCE: f64 = 1e-9;
+const EIGEN_TOLERANCE: f64 = 1e-5;
 /// The exact tangent is tried with this many dampings, each so many times the last.
-const EXACT_TRIES: u32 = 4;
-const DAMPING_RISE: f64 = 8.0;
+const EXACT_TRIES: u32 = 8;
+const DAMPING_RISE: f64 = 4.0;
 /// The damping never falls below this part of its first value [1].
 const LEAST_DAMPING: f64 = 1e-7;
-/// So often the solver leaves an unstable balance of forces before it reports one.
+/// Shifts that make the tangent definite are sought in steps of this factor [1].
+const SHIFT_RISE: f64 = 2.0;
+/// Unstable balances that are left, at most.
 const ESCAPE_LIMIT: u32 = 30;
 /// How far it then pushes, as a part of the longest step [1].
-const ESCAPE_STEP: f64 = 0.5;
+const ESCAPE_STEP: f64 = 0.25;
 /// Inverse iterations that find the direction; a rough one will do.
 const INVERSE_ITERATIONS: u32 = 8;
-/// A line search gives up after so many halvings.
-const HALVINGS: u32 = 12;
+/// A step is good if the force along it has not turned round by more than this part of what it was [1].
+const OVERSHOOT: f64 = 0.5;
+/// So much after this many exact steps without a lower residual: at a kink of the springs' law full steps may lead to and
+/// fro for ever, each acceptable by itself.
+const STRICT_OVERSHOOT: f64 = 0.05;
+const IDLE_LIMIT: u32 = 3;
+/// A line search gives up after so many trials.
+const TRIALS: u32 = 8;
+/// Steps of a walk to a given shape: at the longest step a valve's radius.
+const WALK_STEPS: u32 = 40;
 /// Steps in a row without progress before the solver says so.
 const STALL_LIMIT: u32 = 60;
 
-/// Length of the pair list's budget in steps [1]. More, and lists grow long; fewer, and they are made too often.
-const BUDGET_STEPS: f64 = 1.5;
-
-struct Solver<'a> {
-    model: &'a Model,
-    surface: Surface,
+/// One valve on its way to equilibrium, with all that is kept from iteration to iteration.
+pub(super) struct Newton<'a> {
+    pub(super) model: &'a Model,
+    pub(super) surface: Surface,
     pairs: PairList,
     /// The pairs that may touch where the valve now is.
-    near: Vec<Pair>,
+    pub(super) near: Vec<Pair>,
     system: System<'a>,
+    /// Where the prescribed vertices go: as in the model, or as an edit has moved them.
+    pub(super) prescribed: Vec<Prescribed>,
     reference_force_n: f64,
     step_limit_mm: f64,
     least_damping: f64,
+    /// So often the solver leaves an unstable balance of forces before it reports one.
+    pub(super) escape_limit: u32,
+    overshoot: f64,
+    crawled: u32,
+    damping: f64,
+    exact_damping: f64,
+    /// Minus the force on each vertex where the valve now is [N], shape `[vertex]`.
+    pub(super) gradient: Vec<Vec3>,
+    trial_gradient: Vec<Vec3>,
+    trial: Vec<Vec3>,
+    step: Vec<Vec3>,
+    /// How prescribed vertices go on towards their targets [mm], shape `[vertex]`.
+    motion: Vec<Vec3>,
+    /// Right-hand side, then solution, shape `[free]`.
+    right: Vec<Vec3>,
+    allowed: Vec<f64>,
 }
 
-/// Relaxes from `start`.
-pub(super) fn relax(model: &Model, start: &State) -> Equilibrium {
-    let mut solver = Solver::new(model);
-    let mut positions = start.positions_mm.clone();
-    let mut history = Vec::new();
-    let status = if crossings(&solver.surface, &positions).is_empty() {
-        solver.iterate(&mut positions, &mut history)
-    } else {
-        Status::TangledStart
-    };
-    solver.finish(positions, status, history)
-}
-
-impl<'a> Solver<'a> {
-    fn new(model: &'a Model) -> Self {
+impl<'a> Newton<'a> {
+    pub(super) fn new(model: &'a Model) -> Self {
         let surface = Surface::new(&model.faces, &model.rest_mm);
-        let edges = &model.springs.rest_length_mm;
-        let mean_edge = edges.iter().sum::<f64>() / edges.len().max(1) as f64;
-        let step_limit_mm = (STEP_LIMIT * diagonal_mm(&model.rest_mm)).min(STEP_LIMIT_EDGES * mean_edge);
+        let scale = model.settings.step_scale;
+        let step_limit_mm =
+            scale * (STEP_LIMIT * diagonal_mm(&model.rest_mm)).min(STEP_LIMIT_EDGES * surface.mean_edge_mm);
         // At this damping pressure alone moves a vertex by the step limit.
         let damping = model.pressure_mpa.max(1e-12) / step_limit_mm;
+        let system = System::new(model, &surface);
+        let zeros = vec![Vec3::zeros(); model.rest_mm.len()];
         Self {
             model,
-            system: System::new(model, &surface, damping),
             surface,
             pairs: PairList::default(),
             near: Vec::new(),
             reference_force_n: load::reference_force_n(model),
             step_limit_mm,
             least_damping: LEAST_DAMPING * damping,
+            escape_limit: ESCAPE_LIMIT,
+            overshoot: OVERSHOOT,
+            crawled: 0,
+            damping,
+            exact_damping: 1e-3 * damping,
+            gradient: zeros.clone(),
+            trial_gradient: zeros.clone(),
+            trial: zeros.clone(),
+            step: zeros.clone(),
+            motion: zeros,
+            right: vec![Vec3::zeros(); system.free.len()],
+            prescribed: model.prescribed.clone(),
+            allowed: Vec::new(),
+            system,
         }
     }
 
-    fn iterate(&mut self, positions: &mut Vec<Vec3>, history: &mut Vec<Iteration>) -> Status {
+    /// Iterates until forces balance; `positions` are where it came to.
+    pub(super) fn iterate(&mut self, positions: &mut Vec<Vec3>, history: &mut Vec<Iteration>) -> Status {
         let (mut failures, mut escapes) = (0, 0);
-        self.cover(positions, 0.0);
-        self.near = self.pairs.touching(positions, positions);
+        let (mut least_residual, mut idle) = (f64::INFINITY, 0);
+        let mut last_residual = f64::INFINITY;
+        self.evaluate(positions);
         for _ in 0..self.model.settings.iteration_limit {
-            let motion = self.boundary_motion(positions);
-            let moving = motion.iter().any(|step| *step != Vec3::zeros());
-            let gradient = load::gradient(self.model, &self.near, positions);
-            let residual = self.residual(&gradient);
+            let moving = self.boundary_motion(positions);
+            let residual = self.residual(&self.gradient);
             if residual <= self.model.settings.residual_tolerance && !moving {
-                if escapes == ESCAPE_LIMIT || !self.escape(positions) {
+                if escapes == self.escape_limit || !self.escape(positions) {
                     return Status::Converged;
                 }
                 escapes += 1;
                 continue;
             }
-            let (mut step, exact) = self.newton_step(positions, &gradient, &motion, residual);
-            let longest = self.limit(&mut step);
-            self.cover(positions, longest);
-            step_bound::shorten(&self.pairs.meeting(positions, &step), positions, &mut step);
-            let mut end = positions.clone();
-            advance(&mut end, &step, 1.0);
-            self.near = self.pairs.touching(positions, &end);
-            let fraction = if moving {
-                *positions = end;
-                1.0
+            idle = if residual < least_residual { 0 } else { idle + 1 };
+            least_residual = least_residual.min(residual);
+            let crawls = residual < last_residual && residual > CRAWLING * last_residual;
+            self.crawled = if crawls { self.crawled + 1 } else { 0 };
+            last_residual = residual;
+            let exact = self.newton_step(positions, residual, moving);
+            self.overshoot = if exact && idle > IDLE_LIMIT {
+                STRICT_OVERSHOOT
             } else {
-                self.search(positions, &step, residual)
+                OVERSHOOT
             };
-            history.push(Iteration {
-                residual,
-                step_mm: longest,
-                damping: self.system.damping,
-                fraction,
-                exact,
-            });
-            self.adapt_damping(fraction);
+            let longest = self.limit_step();
+            self.bound_step(positions);
+            let fraction = self.search(positions, residual, moving);
+            self.note(history, residual, longest, fraction, exact);
+            self.adapt_damping(exact, fraction);
             failures = if fraction == 0.0 { failures + 1 } else { 0 };
             if failures > STALL_LIMIT {
                 return Status::Stalled;
@@ -138,206 +167,260 @@ impl<'a> Solver<'a> {
         Status::IterationLimit
     }
 
-    /// How prescribed vertices go on towards their targets in this step [mm], shape `[vertex]`.
-    fn boundary_motion(&self, positions: &[Vec3]) -> Vec<Vec3> {
-        let mut motion = vec![Vec3::zeros(); positions.len()];
-        for prescribed in &self.model.prescribed {
-            let vertex = prescribed.vertex as usize;
-            let way = prescribed.target_mm - positions[vertex];
-            motion[vertex] = clipped(way, 0.25 * self.step_limit_mm);
-        }
-        motion
+    fn note(&self, history: &mut Vec<Iteration>, residual: f64, step_mm: f64, fraction: f64, exact: bool) {
+        history.push(Iteration {
+            residual,
+            step_mm,
+            damping: self.system.damping,
+            fraction,
+            exact,
+            faces: self.model.faces.len(),
+        });
     }
 
-    fn residual(&self, gradient: &[Vec3]) -> f64 {
-        let squared = self
-            .system
-            .free
-            .iter()
-            .map(|&vertex| gradient[vertex as usize].norm_squared());
+    /// Gathers the pairs in reach and computes the force at a place.
+    pub(super) fn evaluate(&mut self, positions: &[Vec3]) {
+        self.step.fill(Vec3::zeros());
+        let place = place(self.model, &self.surface, positions);
+        self.pairs.gather(&place, &self.step, &mut self.near);
+        load::gradient_into(self.model, &self.near, positions, &mut self.gradient);
+    }
+
+    /// Largest force on a free vertex over the mean nodal pressure force [1].
+    pub(super) fn residual(&self, gradient: &[Vec3]) -> f64 {
+        let free = self.system.free.iter();
+        let squared = free.map(|&vertex| gradient[vertex as usize].norm_squared());
         squared.fold(0.0, f64::max).sqrt() / self.reference_force_n
     }
 
-    /// Makes sure that every pair which may touch during a step of this length is listed.
-    fn cover(&mut self, positions: &[Vec3], step_mm: f64) {
-        if !self.pairs.covers(positions, step_mm) {
-            let thickness = self.model.contact.thickness_mm;
-            // Room for this step and the next ones, which are likely no longer.
-            let budget = (BUDGET_STEPS * step_mm).max(0.1 * thickness);
-            self.pairs
-                .rebuild(&self.surface, &self.model.rest_mm, positions, thickness, budget);
+    /// Shortens the step, vertex by vertex, until nothing passes through anything; gathers the pairs along it.
+    ///
+    /// Pairs are gathered as if all vertices went at the same rate. Shortened ones do not: whom they may meet then is
+    /// looked for again, until nobody needs to be shortened. What was bounded once stays so, since a separating plane
+    /// holds for any part of a step.
+    fn bound_step(&mut self, positions: &[Vec3]) {
+        let place = place(self.model, &self.surface, positions);
+        self.pairs.gather(&place, &self.step, &mut self.near);
+        while step_bound::shorten(&self.near, positions, &mut self.step, &mut self.allowed) {
+            self.pairs.gather(&place, &self.step, &mut self.near);
         }
     }
 
-    /// The step that the tangent suggests, prescribed vertices included, and whether it was the exact tangent.
-    fn newton_step(
-        &mut self,
-        positions: &[Vec3],
-        gradient: &[Vec3],
-        motion: &[Vec3],
-        residual: f64,
-    ) -> (Vec<Vec3>, bool) {
-        if residual < EXACT_BELOW {
-            let right = self
-                .system
-                .assemble(&self.near, positions, gradient, motion, Curvature::Exact);
+    /// Goes towards a shape as far as contact lets each vertex, without asking for forces.
+    pub(super) fn walk(&mut self, positions: &mut [Vec3], shape: &[Vec3]) {
+        for _ in 0..WALK_STEPS {
+            for ((step, goal), here) in self.step.iter_mut().zip(shape).zip(&*positions) {
+                *step = goal - here;
+            }
+            self.limit_step();
+            self.bound_step(positions);
+            advance(positions, &self.step, 1.0);
+        }
+    }
+
+    /// Finds how prescribed vertices go on towards their targets in this step; false if they are there.
+    fn boundary_motion(&mut self, positions: &[Vec3]) -> bool {
+        let mut moving = false;
+        for prescribed in &self.prescribed {
+            let vertex = prescribed.vertex as usize;
+            let way = prescribed.target_mm - positions[vertex];
+            self.motion[vertex] = clipped(way, BOUNDARY_STEP * self.step_limit_mm);
+            moving |= way != Vec3::zeros();
+        }
+        moving
+    }
+
+    /// Finds the step that the tangent suggests, prescribed vertices included; whether it was the exact tangent.
+    fn newton_step(&mut self, positions: &[Vec3], residual: f64, moving: bool) -> bool {
+        if residual < EXACT_BELOW || self.crawled > CRAWL_LIMIT {
+            self.assemble(positions, Curvature::Exact, moving);
+            let mut damping = self.exact_damping;
             for _ in 0..EXACT_TRIES {
-                if let Some(factor) = self.system.factorise() {
-                    let solution =
-                        self.system
-                            .solve_unsymmetric(&factor, positions, &right, NEWTON_TOLERANCE);
-                    return (self.system.scatter(&solution, motion), true);
+                if self.system.factorise(damping) {
+                    self.exact_damping = damping;
+                    self.system
+                        .solve_unsymmetric(positions, &mut self.right, NEWTON_TOLERANCE);
+                    self.scatter();
+                    return true;
                 }
-                self.system.damping = (self.system.damping * DAMPING_RISE).max(self.least_damping);
+                damping *= DAMPING_RISE;
             }
         }
-        let right = self
-            .system
-            .assemble(&self.near, positions, gradient, motion, Curvature::Projected);
-        for _ in 0..40 {
-            if let Some(factor) = self.system.factorise() {
-                return (
-                    self.system.scatter(&self.system.solve(&factor, &right), motion),
-                    false,
-                );
-            }
-            self.system.damping *= 10.0;
+        self.assemble(positions, Curvature::Projected, moving);
+        while !self.system.factorise(self.damping) {
+            self.damping *= 10.0;
         }
-        (motion.to_vec(), false)
+        self.system.solve(&mut self.right);
+        self.scatter();
+        false
+    }
+
+    fn assemble(&mut self, positions: &[Vec3], curvature: Curvature, moving: bool) {
+        self.take_force();
+        let moved = moving.then_some(Moved {
+            motion_mm: &self.motion,
+            right_n: &mut self.right,
+        });
+        self.system.assemble(&self.near, positions, curvature, moved);
+    }
+
+    /// Makes the force on the free vertices the right-hand side.
+    fn take_force(&mut self) {
+        for (right, &vertex) in self.right.iter_mut().zip(&self.system.free) {
+            *right = -self.gradient[vertex as usize];
+        }
+    }
+
+    /// The step over all vertices: the solution at free ones, the motion at prescribed ones.
+    fn scatter(&mut self) {
+        self.step.copy_from_slice(&self.motion);
+        for (&vertex, value) in self.system.free.iter().zip(&self.right) {
+            self.step[vertex as usize] = *value;
+        }
     }
 
     /// Shortens over-long steps vertex by vertex; returns the longest that is left [mm].
-    fn limit(&self, step: &mut [Vec3]) -> f64 {
+    fn limit_step(&mut self) -> f64 {
         let mut longest = 0.0_f64;
-        for step in step.iter_mut() {
+        for step in &mut self.step {
             *step = clipped(*step, self.step_limit_mm);
             longest = longest.max(step.norm());
         }
         longest
     }
 
-    /// Takes as much of the step as lowers the merit function, or the residual; returns the part taken [1].
-    fn search(&self, positions: &mut Vec<Vec3>, step: &[Vec3], residual: f64) -> f64 {
-        let merit = Merit::new(self.model, positions);
-        let before = merit.value(self.model, &self.near, positions);
+    /// Goes along the step until the force no longer points back along it, or the residual has fallen; returns the
+    /// part taken [1].
+    fn search(&mut self, positions: &mut Vec<Vec3>, residual: f64, moving: bool) -> f64 {
+        let slope = self.slope(&self.gradient);
+        let mut fall_from = None;
         let mut fraction = 1.0;
-        for _ in 0..HALVINGS {
-            let mut trial = positions.clone();
-            advance(&mut trial, step, fraction);
-            let falls = merit.value(self.model, &self.near, &trial) < before;
-            if falls || self.residual(&load::gradient(self.model, &self.near, &trial)) < residual {
-                *positions = trial;
+        for _ in 0..TRIALS {
+            self.trial.copy_from_slice(positions);
+            advance(&mut self.trial, &self.step, fraction);
+            load::gradient_into(self.model, &self.near, &self.trial, &mut self.trial_gradient);
+            let there = self.slope(&self.trial_gradient);
+            let good = slope < 0.0 && there <= -self.overshoot * slope;
+            let strict = self.overshoot == STRICT_OVERSHOOT;
+            if moving
+                || good
+                || (!strict
+                    && (self.residual(&self.trial_gradient) < residual
+                        || self.falls(&mut fall_from, positions)))
+            {
+                std::mem::swap(positions, &mut self.trial);
+                std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
                 return fraction;
             }
-            fraction *= 0.5;
+            // Where the force along the step would vanish if it changed evenly.
+            fraction *= (slope / (slope - there)).clamp(0.25, 0.6);
         }
         0.0
     }
 
-    fn adapt_damping(&mut self, fraction: f64) {
+    /// Whether the merit function is lower at the trial than where the valve now is.
+    fn falls(&self, fall_from: &mut Option<(Merit, f64)>, positions: &[Vec3]) -> bool {
+        let (merit, before) = fall_from.get_or_insert_with(|| {
+            let merit = Merit::new(self.model, positions);
+            let before = merit.value(self.model, &self.near, positions);
+            (merit, before)
+        });
+        merit.value(self.model, &self.near, &self.trial) < *before
+    }
+
+    /// Slope along the step: minus the work of the force on the free vertices [N·mm].
+    fn slope(&self, gradient: &[Vec3]) -> f64 {
+        let free = self.system.free.iter();
+        free.map(|&vertex| gradient[vertex as usize].dot(&self.step[vertex as usize]))
+            .sum()
+    }
+
+    fn adapt_damping(&mut self, exact: bool, fraction: f64) {
+        let (damping, fall) = match exact {
+            true => (&mut self.exact_damping, 1.0 / DAMPING_RISE),
+            false => (&mut self.damping, 0.5),
+        };
         if fraction == 1.0 {
-            self.system.damping = (self.system.damping * 0.5).max(self.least_damping);
+            *damping = (*damping * fall).max(self.least_damping);
         } else if fraction < 0.3 {
-            self.system.damping *= 4.0;
+            *damping *= if exact { 8.0 } else { 4.0 };
         }
     }
 
-    fn finish(mut self, positions: Vec<Vec3>, status: Status, history: Vec<Iteration>) -> Equilibrium {
-        self.cover(&positions, 0.0);
-        self.near = self.pairs.touching(&positions, &positions);
-        let gradient = load::gradient(self.model, &self.near, &positions);
-        let residual = self.residual(&gradient);
-        let stable = self.is_stable(&positions);
-        let certificate = certify(
-            self.model,
-            &self.surface,
-            &self.near,
-            &positions,
-            residual,
-            stable,
-        );
-        let mut reactions_n = vec![Vec3::zeros(); positions.len()];
-        for prescribed in &self.model.prescribed {
-            // The valve pulls on its support with minus the gradient.
-            reactions_n[prescribed.vertex as usize] = -gradient[prescribed.vertex as usize];
-        }
-        Equilibrium {
-            state: State {
-                positions_mm: positions,
-            },
-            status,
-            certificate,
-            reactions_n,
-            history,
-        }
-    }
-
-    /// Whether the valve stays where it is when pushed a little; see [`super::stability`].
-    fn is_stable(&mut self, positions: &[Vec3]) -> bool {
+    /// Whether the valve stays where it is when pushed a little; see [`super::stability`]. The tangent is left
+    /// factorised with the least damping that makes its symmetric part positive definite.
+    pub(super) fn is_stable(&mut self, positions: &[Vec3]) -> bool {
         if self.system.free.is_empty() {
             return true;
         }
-        let Some(factor) = self
-            .system
-            .factorise_shifted(&self.near, positions, self.least_damping)
-        else {
-            return false;
-        };
-        if self.system.damping == self.least_damping {
+        self.system
+            .assemble(&self.near, positions, Curvature::Exact, None);
+        // Slack chord nodes have no stiffness at all: the least damping, far below any tissue's, keeps them from
+        // counting.
+        if self.system.factorise(self.least_damping) {
             return true;
         }
-        let solve = |right: &[Vec3]| {
-            self.system
-                .solve_unsymmetric(&factor, positions, right, EIGEN_TOLERANCE)
-        };
-        let start = (0..self.system.free.len()).map(pseudo_random).collect();
-        stability::least_real_part(solve, &self.system.weight_mm2, self.system.damping, start) > 0.0
+        let mut shift = SHIFT_RISE * self.least_damping;
+        while !self.system.factorise(shift) {
+            shift *= SHIFT_RISE;
+        }
+        let weight_mm2 = self.system.weight_mm2.clone();
+        let system = &mut self.system;
+        let solve = |right: &mut [Vec3]| system.solve_unsymmetric(positions, right, EIGEN_TOLERANCE);
+        let start = (0..weight_mm2.len()).map(pseudo_random).collect();
+        stability::least_real_part(solve, &weight_mm2, shift, start) > 0.0
     }
 
     /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in
     /// which the tangent is most negative. False where there is no such direction.
-    fn escape(&mut self, positions: &mut [Vec3]) -> bool {
+    fn escape(&mut self, positions: &mut Vec<Vec3>) -> bool {
         if self.is_stable(positions) {
             return false;
         }
-        let Some(factor) = self
-            .system
-            .factorise_shifted(&self.near, positions, self.least_damping)
-        else {
-            return false;
-        };
         let mut direction: Vec<Vec3> = (0..self.system.free.len()).map(pseudo_random).collect();
         for _ in 0..INVERSE_ITERATIONS {
-            direction = self.system.solve(&factor, &direction);
+            self.system.solve(&mut direction);
             let longest = direction.iter().map(|x| x.norm()).fold(0.0, f64::max);
             direction.iter_mut().for_each(|x| *x /= longest);
         }
-        let curvature: f64 = direction
-            .iter()
-            .zip(self.system.matrix.multiply(&direction))
-            .map(|(x, kx)| x.dot(&kx))
-            .sum();
-        if curvature >= 0.0 {
+        if self.system.curvature(&direction, &mut self.right) >= 0.0 {
             return false;
         }
-        let push = ESCAPE_STEP * self.step_limit_mm;
-        self.cover(positions, push);
         let merit = Merit::new(self.model, positions);
-        let ways = [push, -push].map(|push| {
-            let along: Vec<Vec3> = direction.iter().map(|x| x * push).collect();
-            let mut step = self.system.scatter(&along, &vec![Vec3::zeros(); positions.len()]);
-            step_bound::shorten(&self.pairs.meeting(positions, &step), positions, &mut step);
-            advance(&mut step, positions, 1.0);
-            (
-                merit.value(self.model, &self.pairs.touching(positions, &step), &step),
-                step,
-            )
-        });
-        let [there, back] = ways;
-        let (_, end) = if there.0 <= back.0 { there } else { back };
-        positions.copy_from_slice(&end);
-        self.near = self.pairs.touching(positions, positions);
+        let ways = [1.0, -1.0].map(|way| self.pushed(positions, &direction, way, &merit));
+        let [(there, end_there), (back, end_back)] = ways;
+        *positions = if there <= back { end_there } else { end_back };
+        self.evaluate(positions);
         true
+    }
+
+    /// Where a push along a direction leads, and the merit there.
+    fn pushed(
+        &mut self,
+        positions: &[Vec3],
+        direction: &[Vec3],
+        way: f64,
+        merit: &Merit,
+    ) -> (f64, Vec<Vec3>) {
+        let push = way * ESCAPE_STEP * self.step_limit_mm;
+        self.step.fill(Vec3::zeros());
+        for (&vertex, value) in self.system.free.iter().zip(direction) {
+            self.step[vertex as usize] = value * push;
+        }
+        self.bound_step(positions);
+        let mut end = positions.to_vec();
+        advance(&mut end, &self.step, 1.0);
+        (merit.value(self.model, &self.near, &end), end)
+    }
+}
+
+fn place<'a>(model: &'a Model, surface: &'a Surface, positions: &'a [Vec3]) -> Place<'a> {
+    Place {
+        surface,
+        rest_mm: &model.rest_mm,
+        positions_mm: positions,
+        thickness_mm: model.contact.thickness_mm,
+        rigid_fraction: rigid_fraction(surface, model.contact.thickness_mm),
     }
 }
 
@@ -369,5 +452,6 @@ fn clipped(vector: Vec3, longest: f64) -> Vec3 {
 /// About the diagonal of a square around the valve: √2 times how far the farthest vertex lies from the first.
 fn diagonal_mm(positions: &[Vec3]) -> f64 {
     let first = positions.first().copied().unwrap_or_default();
-    2.0 * largest_distance(positions, &vec![first; positions.len()]) / 2.0_f64.sqrt()
+    let from_first: Vec<Vec3> = positions.iter().map(|position| position - first).collect();
+    2.0 * longest_mm(&from_first) / 2.0_f64.sqrt()
 }

@@ -9,12 +9,16 @@
 use crate::Vec3;
 use nalgebra::DMatrix;
 
-/// Vectors of the Krylov space. The eigenvalues sought stand apart from all others; 20 to 30 find them, 50 is ample.
+/// Vectors of the Krylov space, at most. The eigenvalues sought stand apart from all others; 10 to 30 find them.
 const KRYLOV_SIZE: usize = 50;
+/// The eigenvalues are looked at whenever so many vectors have been added.
+const LOOK_EVERY: usize = 4;
+/// Settled is a value that has changed by no more than this part of the shift, and is farther than that from zero [1].
+const SETTLED: f64 = 1e-3;
 
-/// The least real part of an eigenvalue of M⁻¹K [MPa/mm], given the solution of (K + σM) x = b and the diagonal M.
+/// The least real part of an eigenvalue of M⁻¹K [MPa/mm], given the solution of (K + σM) x = b, in place, and the diagonal M.
 pub fn least_real_part(
-    solve: impl Fn(&[Vec3]) -> Vec<Vec3>,
+    mut solve: impl FnMut(&mut [Vec3]),
     weight_mm2: &[f64],
     shift: f64,
     start: Vec<Vec3>,
@@ -22,14 +26,14 @@ pub fn least_real_part(
     let mut basis = vec![start];
     normalise(&mut basis[0]);
     let mut hessenberg = DMatrix::<f64>::zeros(KRYLOV_SIZE + 1, KRYLOV_SIZE);
-    let mut size = 0;
+    let (mut size, mut last) = (0, f64::NEG_INFINITY);
     while size < KRYLOV_SIZE {
-        let weighted: Vec<Vec3> = basis[size]
+        let mut next: Vec<Vec3> = basis[size]
             .iter()
             .zip(weight_mm2)
             .map(|(x, weight)| x * *weight)
             .collect();
-        let mut next = solve(&weighted);
+        solve(&mut next);
         // Twice, because once leaves rounding that later steps would take for signal.
         for _ in 0..2 {
             for (row, direction) in basis.iter().enumerate() {
@@ -47,14 +51,22 @@ pub fn least_real_part(
             break;
         }
         basis.push(next);
+        if size.is_multiple_of(LOOK_EVERY) {
+            let least = least_of(&hessenberg, size, shift);
+            if (least - last).abs() <= SETTLED * shift && least.abs() > SETTLED * shift {
+                return least;
+            }
+            last = least;
+        }
     }
+    least_of(&hessenberg, size, shift)
+}
+
+fn least_of(hessenberg: &DMatrix<f64>, size: usize, shift: f64) -> f64 {
     let square = hessenberg.view((0, 0), (size, size)).clone_owned();
     let real_part = |inverse: &nalgebra::Complex<f64>| inverse.re / inverse.norm_sqr() - shift;
-    square
-        .complex_eigenvalues()
-        .iter()
-        .map(real_part)
-        .fold(f64::INFINITY, f64::min)
+    let values = square.complex_eigenvalues();
+    values.iter().map(real_part).fold(f64::INFINITY, f64::min)
 }
 
 fn normalise(vector: &mut [Vec3]) -> f64 {
@@ -74,14 +86,13 @@ mod tests {
     fn rotation_can_hold_what_stiffness_cannot() {
         for (n, expected) in [(1.0, 1.0 - 3.0_f64.sqrt()), (1.9, 1.0 - 0.39_f64.sqrt())] {
             let (shift, weight) = (1.5, [1.0; 3]);
-            let solve = |b: &[Vec3]| -> Vec<Vec3> {
+            let solve = |x: &mut [Vec3]| {
                 let matrix =
                     crate::Mat3::new(-1.0 + shift, n, 0.0, -n, 3.0 + shift, 0.0, 0.0, 0.0, 9.0 + shift);
                 let inverse = matrix.try_inverse().unwrap_or_default();
-                b.iter()
-                    .enumerate()
-                    .map(|(k, b)| inverse * b / (1.0 + 0.1 * k as f64))
-                    .collect()
+                for (k, x) in x.iter_mut().enumerate() {
+                    *x = inverse * *x / (1.0 + 0.1 * k as f64);
+                }
             };
             let start = (1..4).map(|k| Vec3::new(f64::from(k), 1.0, 0.5)).collect();
             let least = least_real_part(solve, &weight, shift, start);

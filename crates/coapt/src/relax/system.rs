@@ -2,16 +2,19 @@
 
 use super::block_matrix::BlockMatrix;
 use super::cholesky::{Factor, Symbolic};
-use super::krylov;
-use super::load::{self, FreeSink, PRESCRIBED};
-use crate::Vec3;
-use crate::contact::pairs::Pair;
+use super::krylov::Krylov;
+use super::load;
+use crate::contact::pairs::{Pair, PairKind};
 use crate::contact::surface::Surface;
-use crate::energy::{Curvature, pressure};
+use crate::energy::{BlockSink, Curvature, pressure};
 use crate::model::Model;
+use crate::{Mat3, Vec3};
 
-/// Shifts that make the tangent definite are sought in steps of this factor [1].
-const SHIFT_RISE: f64 = 2.0;
+/// Pairs nearer than this times their activation distance get places in the pattern, so that it lasts for some steps
+/// [1]. At 1 it is made anew nearly every time; beyond 2 the fill costs more than the analyses saved.
+const PATTERN_MARGIN: f64 = 1.5;
+/// A pattern may hold so many times what is needed before its old places are dropped [1].
+const PATTERN_EXCESS: f64 = 1.25;
 
 /// (K + μ A) d = r over the free vertices.
 pub(super) struct System<'a> {
@@ -25,164 +28,286 @@ pub(super) struct System<'a> {
     /// K, or what of it is symmetric.
     pub(super) matrix: BlockMatrix,
     symbolic: Symbolic,
-    /// μ [MPa/mm].
+    factor: Factor,
+    /// μ of the present factor [MPa/mm].
     pub(super) damping: f64,
+    /// The places of the blocks of springs, bending, chordae and pressure, in the order in which these hand them out, as
+    /// free indices; and where in the matrix they go.
+    handed_out: Vec<[u32; 2]>,
+    slots: Vec<u32>,
+    /// Those places between free vertices, each once.
+    elastic_places: Vec<[u32; 2]>,
+    shift: Vec<f64>,
+    krylov: Krylov,
+    direction: Vec<Vec3>,
+    turned: Vec<Vec3>,
 }
 
+/// Marks a vertex without a free index, and a block that no free vertex sees.
+const PRESCRIBED: u32 = u32::MAX;
+
 impl<'a> System<'a> {
-    pub(super) fn new(model: &'a Model, surface: &Surface, damping: f64) -> Self {
+    pub(super) fn new(model: &'a Model, surface: &Surface) -> Self {
         let (free, free_index) = free_vertices(model);
         let total_area = surface.vertex_area_mm2.iter().sum::<f64>();
         let mean_area = total_area / model.leaflet_vertex_count.max(1) as f64;
-        let weight_mm2 = free
-            .iter()
-            .map(|&vertex| match surface.vertex_area_mm2[vertex as usize] {
-                // Chord nodes have no area of their own.
-                0.0 => mean_area,
-                area => area,
-            })
-            .collect();
-        Self {
+        let area = |&vertex: &u32| match surface.vertex_area_mm2[vertex as usize] {
+            // Chord nodes have no area of their own.
+            0.0 => mean_area,
+            area => area,
+        };
+        let mut system = Self {
             model,
             rim: pressure::rim(&model.faces),
-            free,
-            free_index,
-            weight_mm2,
+            weight_mm2: free.iter().map(area).collect(),
             matrix: BlockMatrix::default(),
             symbolic: Symbolic::default(),
-            damping,
-        }
+            factor: Factor::default(),
+            damping: 0.0,
+            handed_out: Vec::new(),
+            slots: Vec::new(),
+            elastic_places: Vec::new(),
+            shift: vec![0.0; free.len()],
+            krylov: Krylov::default(),
+            direction: vec![Vec3::zeros(); model.rest_mm.len()],
+            turned: vec![Vec3::zeros(); model.rest_mm.len()],
+            free,
+            free_index,
+        };
+        system.find_elastic_places();
+        system.make_pattern(&[], &[]);
+        system
     }
 
-    /// Fills the matrix and returns the right-hand side; grows the pattern where contact needs new places.
+    /// Fills the matrix with the tangent, and takes from the right-hand side what the motion of prescribed vertices
+    /// brings; grows the pattern where contact needs new places.
     pub(super) fn assemble(
         &mut self,
         near: &[Pair],
         positions: &[Vec3],
-        gradient: &[Vec3],
-        motion: &[Vec3],
         curvature: Curvature,
-    ) -> Vec<Vec3> {
-        loop {
-            let mut right: Vec<Vec3> = self
-                .free
-                .iter()
-                .map(|&vertex| -gradient[vertex as usize])
-                .collect();
-            let mut complete = self.matrix.column_starts.len() > 1 || self.free.is_empty();
-            if complete {
-                self.matrix.clear();
-                let matrix = &mut self.matrix;
-                let mut sink = FreeSink {
-                    free_index: &self.free_index,
-                    motion_mm: motion,
-                    right_n: &mut right,
-                    matrix: |row, column, block: &crate::Mat3| complete &= matrix.add(row, column, block),
-                };
-                load::add_tangent(self.model, near, positions, curvature, &mut sink);
-            }
-            if complete {
-                return right;
-            }
-            self.grow_pattern(near, positions);
+        mut moved: Option<Moved>,
+    ) {
+        if !self.has_places_for(near, positions) {
+            self.make_pattern(near, positions);
         }
-    }
-
-    fn grow_pattern(&mut self, near: &[Pair], positions: &[Vec3]) {
-        let mut places = load::tangent_places(self.model);
-        for pair in near {
-            // A little beyond the activation distance, so that the pattern lasts for some steps.
-            if pair.nearest(positions).separation_mm.norm() < 1.2 * pair.activation_mm {
-                let v = pair.vertices;
-                for i in 0..4 {
-                    places.extend((i + 1..4).map(|j| [v[i], v[j]]));
-                }
-            }
-        }
-        let free = |place: [u32; 2]| {
-            let [i, j] = place.map(|vertex| self.free_index[vertex as usize]);
-            (i != PRESCRIBED && j != PRESCRIBED).then_some([i, j])
+        self.matrix.clear();
+        let mut sink = Replay {
+            slots: &self.slots,
+            free_index: &self.free_index,
+            matrix: &mut self.matrix,
+            moved: &mut moved,
         };
-        let places = places.into_iter().filter_map(free).collect();
-        self.matrix = BlockMatrix::with_pattern(self.free.len(), places);
-        self.symbolic = Symbolic::new(&self.matrix);
+        load::add_elastic_tangent(self.model, positions, curvature, &mut sink);
+        let mut sink = Search {
+            free_index: &self.free_index,
+            matrix: &mut self.matrix,
+            moved: &mut moved,
+        };
+        load::add_contact_tangent(self.model, near, positions, curvature, &mut sink);
     }
 
-    /// Factorises the symmetric tangent with the present damping; nothing unless it is positive definite.
-    pub(super) fn factorise(&self) -> Option<Factor> {
-        let shift: Vec<f64> = self
-            .weight_mm2
+    fn has_places_for(&self, near: &[Pair], positions: &[Vec3]) -> bool {
+        near.iter()
+            .filter(|pair| is_nearer(pair, positions, 1.0))
+            .all(|pair| {
+                let index = pair.vertices.map(|vertex| self.free_index[vertex as usize]);
+                let has_place = |place: [u32; 2]| self.matrix.slot(place[0], place[1]).is_some();
+                couplings(pair.kind, index).into_iter().flatten().all(has_place)
+            })
+    }
+
+    /// Makes a pattern for the pairs that touch or nearly do. That of the last pattern is kept while it is little more
+    /// than what is needed now: contact goes back and forth.
+    fn make_pattern(&mut self, near: &[Pair], positions: &[Vec3]) {
+        let mut places = self.elastic_places.clone();
+        for pair in near
             .iter()
-            .map(|weight| self.damping * weight)
+            .filter(|pair| is_nearer(pair, positions, PATTERN_MARGIN))
+        {
+            let index = pair.vertices.map(|vertex| self.free_index[vertex as usize]);
+            places.extend(couplings(pair.kind, index).into_iter().flatten());
+        }
+        let mut matrix = BlockMatrix::with_pattern(self.free.len(), &places);
+        let needed = matrix.rows.len();
+        if !self.matrix.rows.is_empty() {
+            places.extend(self.matrix.places());
+            let united = BlockMatrix::with_pattern(self.free.len(), &places);
+            if united.rows.len() as f64 <= PATTERN_EXCESS * needed as f64 {
+                matrix = united;
+            }
+        }
+        self.symbolic = Symbolic::new(&matrix);
+        self.matrix = matrix;
+        self.find_slots();
+    }
+
+    fn find_elastic_places(&mut self) {
+        let mut places = Vec::new();
+        let free_index = &self.free_index;
+        let mut sink = |row: u32, column: u32, _: &Mat3| {
+            places.push([free_index[row as usize], free_index[column as usize]]);
+        };
+        // Places do not depend on positions.
+        load::add_elastic_tangent(self.model, &self.model.rest_mm, Curvature::Exact, &mut sink);
+        self.handed_out = places;
+        let free = self
+            .handed_out
+            .iter()
+            .filter(|place| !place.contains(&PRESCRIBED));
+        let elastic: Vec<[u32; 2]> = free.copied().collect();
+        self.elastic_places = BlockMatrix::with_pattern(self.free.len(), &elastic)
+            .places()
             .collect();
-        self.symbolic.factor(&self.matrix, &shift).ok()
     }
 
-    /// The exact tangent, factorised with the least damping that makes its symmetric part positive definite; that
-    /// damping stays set. Slack chord nodes have no stiffness at all: the least damping, far below any tissue's,
-    /// keeps them from counting.
-    pub(super) fn factorise_shifted(
-        &mut self,
-        near: &[Pair],
-        positions: &[Vec3],
-        least: f64,
-    ) -> Option<Factor> {
-        // Only the matrix is wanted: neither force nor motion.
-        let none = vec![Vec3::zeros(); positions.len()];
-        self.assemble(near, positions, &none, &none, Curvature::Exact);
-        self.damping = least;
-        (0..60).find_map(|_| {
-            let factor = self.factorise();
-            if factor.is_none() {
-                self.damping *= SHIFT_RISE;
+    fn find_slots(&mut self) {
+        let matrix = &self.matrix;
+        let slot = |&[i, j]: &[u32; 2]| match i == PRESCRIBED || j == PRESCRIBED {
+            true => PRESCRIBED,
+            false => matrix.slot(i, j).map_or(PRESCRIBED, |slot| slot as u32),
+        };
+        self.slots.clear();
+        self.slots.extend(self.handed_out.iter().map(slot));
+    }
+
+    /// Factorises with a damping; false unless the matrix is positive definite.
+    pub(super) fn factorise(&mut self, damping: f64) -> bool {
+        self.damping = damping;
+        for (shift, weight) in self.shift.iter_mut().zip(&self.weight_mm2) {
+            *shift = damping * weight;
+        }
+        self.symbolic
+            .factor_into(&self.matrix, &self.shift, &mut self.factor)
+            .is_ok()
+    }
+
+    /// Solves with the factorised matrix, in place.
+    pub(super) fn solve(&self, right: &mut [Vec3]) {
+        self.symbolic.solve_in_place(&self.factor, right);
+    }
+
+    /// Solves with the true tangent, in place: the factorised symmetric one plus what pressure on the free margin
+    /// adds.
+    pub(super) fn solve_unsymmetric(&mut self, positions: &[Vec3], right: &mut [Vec3], tolerance: f64) {
+        let Self {
+            model,
+            rim,
+            free,
+            weight_mm2,
+            matrix,
+            symbolic,
+            factor,
+            damping,
+            krylov,
+            direction,
+            turned,
+            ..
+        } = self;
+        let multiply = |vector: &[Vec3], product: &mut [Vec3]| {
+            matrix.multiply_into(vector, product);
+            for ((product, value), weight) in product.iter_mut().zip(vector).zip(weight_mm2.iter()) {
+                *product += value * (*damping * weight);
             }
-            factor
-        })
-    }
-
-    /// Solves with the factorised matrix.
-    pub(super) fn solve(&self, factor: &Factor, right: &[Vec3]) -> Vec<Vec3> {
-        self.symbolic.solve(factor, right)
-    }
-
-    /// Solves with the true tangent: the factorised symmetric one plus what pressure on the free margin adds.
-    pub(super) fn solve_unsymmetric(
-        &self,
-        factor: &Factor,
-        positions: &[Vec3],
-        right: &[Vec3],
-        tolerance: f64,
-    ) -> Vec<Vec3> {
-        let shift = |index: usize| self.damping * self.weight_mm2[index];
-        let multiply = |vector: &[Vec3]| {
-            let mut product = self.matrix.multiply(vector);
-            for (index, (product, value)) in product.iter_mut().zip(vector).enumerate() {
-                *product += value * shift(index);
+            for (&vertex, value) in free.iter().zip(vector) {
+                direction[vertex as usize] = *value;
             }
-            let direction = self.scatter(vector, &vec![Vec3::zeros(); positions.len()]);
-            let mut turned = vec![Vec3::zeros(); positions.len()];
-            let pressure = self.model.pressure_mpa;
-            pressure::add_antisymmetric_product(&self.rim, pressure, positions, &direction, &mut turned);
-            for (product, &vertex) in product.iter_mut().zip(&self.free) {
+            for side in rim.iter().flatten() {
+                turned[*side as usize] = Vec3::zeros();
+            }
+            pressure::add_antisymmetric_product(rim, model.pressure_mpa, positions, direction, turned);
+            for (product, &vertex) in product.iter_mut().zip(free.iter()) {
                 *product += turned[vertex as usize];
             }
-            product
         };
-        krylov::solve(
-            multiply,
-            |vector| self.symbolic.solve(factor, vector),
-            right,
-            tolerance,
-        )
+        let precondition = |vector: &mut [Vec3]| symbolic.solve_in_place(factor, vector);
+        krylov.solve(multiply, precondition, right, tolerance);
     }
 
-    /// A vector over all vertices: the solution at free ones, the motion at prescribed ones.
-    pub(super) fn scatter(&self, solution: &[Vec3], motion: &[Vec3]) -> Vec<Vec3> {
-        let mut step = motion.to_vec();
-        for (&vertex, value) in self.free.iter().zip(solution) {
-            step[vertex as usize] = *value;
+    /// The true tangent times a vector over all vertices, prescribed ones zero: for tests of curvature.
+    pub(super) fn curvature(&self, direction: &[Vec3], product: &mut [Vec3]) -> f64 {
+        self.matrix.multiply_into(direction, product);
+        direction.iter().zip(product).map(|(x, kx)| x.dot(kx)).sum()
+    }
+}
+
+/// What a motion of the prescribed vertices takes from the right-hand side.
+pub(super) struct Moved<'a> {
+    /// Motion of prescribed vertices in this step [mm], shape `[vertex]`.
+    pub(super) motion_mm: &'a [Vec3],
+    /// Right-hand side [N], shape `[free]`.
+    pub(super) right_n: &'a mut [Vec3],
+}
+
+impl Moved<'_> {
+    fn take(&mut self, [row, column]: [u32; 2], [i, j]: [u32; 2], block: &Mat3) {
+        match (i == PRESCRIBED, j == PRESCRIBED) {
+            (false, true) => self.right_n[i as usize] -= block * self.motion_mm[column as usize],
+            (true, false) => self.right_n[j as usize] -= block.tr_mul(&self.motion_mm[row as usize]),
+            _ => {}
         }
-        step
+    }
+}
+
+/// Puts blocks that come in a known order where they belong.
+struct Replay<'a, 'b> {
+    slots: &'a [u32],
+    free_index: &'a [u32],
+    matrix: &'a mut BlockMatrix,
+    moved: &'a mut Option<Moved<'b>>,
+}
+
+impl BlockSink for Replay<'_, '_> {
+    #[inline]
+    fn add(&mut self, row: u32, column: u32, block: &Mat3) {
+        let Some((&slot, rest)) = self.slots.split_first() else {
+            return;
+        };
+        self.slots = rest;
+        let index = [self.free_index[row as usize], self.free_index[column as usize]];
+        if slot != PRESCRIBED {
+            self.matrix.add_at(slot as usize, index[0] < index[1], block);
+        } else if let Some(moved) = self.moved {
+            moved.take([row, column], index, block);
+        }
+    }
+}
+
+/// Finds the place of each block.
+struct Search<'a, 'b> {
+    free_index: &'a [u32],
+    matrix: &'a mut BlockMatrix,
+    moved: &'a mut Option<Moved<'b>>,
+}
+
+impl BlockSink for Search<'_, '_> {
+    #[inline]
+    fn add(&mut self, row: u32, column: u32, block: &Mat3) {
+        let index = [self.free_index[row as usize], self.free_index[column as usize]];
+        if index[0] != PRESCRIBED && index[1] != PRESCRIBED {
+            if let Some(slot) = self.matrix.slot(index[0], index[1]) {
+                self.matrix.add_at(slot, index[0] < index[1], block);
+            }
+        } else if let Some(moved) = self.moved {
+            moved.take([row, column], index, block);
+        }
+    }
+}
+
+fn is_nearer(pair: &Pair, positions: &[Vec3], margin: f64) -> bool {
+    let limit = margin * pair.activation_mm;
+    pair.nearest(positions).separation_mm.norm_squared() < limit * limit
+}
+
+/// The off-diagonal places that a pair couples, prescribed vertices left out. Those of its edges are there already.
+fn couplings(kind: PairKind, index: [u32; 4]) -> [Option<[u32; 2]>; 4] {
+    let free = |k: usize, l: usize| {
+        let place = [index[k], index[l]];
+        (!place.contains(&PRESCRIBED)).then_some(place)
+    };
+    match kind {
+        PairKind::PointTriangle => [free(0, 1), free(0, 2), free(0, 3), None],
+        PairKind::EdgeEdge => [free(0, 2), free(0, 3), free(1, 2), free(1, 3)],
     }
 }
 

@@ -142,6 +142,7 @@ fn leaflet_bounds(p: &ValveParameters) -> Vec<Bound> {
         transition_strain,
         post_transition_modulus_mpa,
         compression_modulus_ratio,
+        bending_modulus_ratio,
     } = l.tissue;
     let mut bounds = named(
         "leaflets.",
@@ -172,6 +173,7 @@ fn leaflet_bounds(p: &ValveParameters) -> Vec<Bound> {
                 0.0,
                 10.0,
             ),
+            ("tissue.bending_modulus_ratio", bending_modulus_ratio, 0.0, 1e3),
         ],
     );
     bounds.extend(components(

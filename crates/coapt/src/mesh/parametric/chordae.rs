@@ -4,10 +4,9 @@
 use super::annulus::Side;
 use super::closed_shape::{ClosedShape, interpolate, margin_fractions};
 use super::parameters::{ChordPattern, PapillaryPositions, ValveParameters};
-use super::skirt::{Place, Sheet};
 use super::surface::Surface;
 use crate::Vec3;
-use crate::scene::{ChordGroup, LineMesh};
+use crate::scene::{ChordGroup, LineMesh, default_insertion_radius_mm};
 
 /// Kinds of chordae, in the order of their groups.
 const GROUP_NAMES: [&str; 4] = ["marginal", "intermediate", "basal", "strut"];
@@ -27,7 +26,7 @@ const STRUT_SPREAD: f64 = 0.05;
 /// Chordae that reach the margin this near a commissure come from the middle head [share of the margin].
 const COMMISSURAL_SHARE: f64 = 0.2;
 
-/// A chord before it is fitted to the mesh.
+/// A chord before it has points.
 struct Plan {
     group: usize,
     muscle: usize,
@@ -67,15 +66,10 @@ pub(super) fn heads(papillary: &PapillaryPositions) -> Heads {
 }
 
 /// The chord groups that have chordae.
-pub(super) fn chord_groups(
-    parameters: &ValveParameters,
-    surface: &Surface,
-    sheet: &Sheet,
-) -> Vec<ChordGroup> {
+pub(super) fn chord_groups(parameters: &ValveParameters, surface: &Surface) -> Vec<ChordGroup> {
     let margins = [Side::Anterior, Side::Posterior].map(|side| margin_fractions(surface, side));
     let plans = plan(&parameters.chordae, &margins);
-    let insertions = insert(&plans, surface, sheet, &margins);
-    let meshes = lines(parameters, &plans, &insertions, surface, sheet);
+    let meshes = lines(parameters, &plans, surface);
     let chordae = &parameters.chordae;
     let thin = (chordae.marginal_diameter_mm, chordae.marginal_modulus_mpa);
     let thick = (chordae.basal_diameter_mm, chordae.basal_modulus_mpa);
@@ -91,6 +85,7 @@ pub(super) fn chord_groups(
         diameter_mm,
         modulus_mpa,
         rest_length_scale: chordae.rest_length_scale,
+        insertion_radius_mm: default_insertion_radius_mm(),
     })
     .collect()
 }
@@ -185,81 +180,8 @@ fn invert(table: &[f64], value: f64) -> f64 {
     (after as f64 - 1.0 + share) / last as f64
 }
 
-/// Fraction across a leaflet's hinge, with the commissures at 0 and 1 on either leaflet.
-fn across_on(surface: &Surface, side: Side, arc_mm: f64) -> Option<f64> {
-    let start = surface.annulus.arc_of(side, 0.0);
-    let length = surface.annulus.arc_of(side, 1.0) - start;
-    let whole = surface.annulus.length_mm;
-    let from_start = (arc_mm - start + 1e-9).rem_euclid(whole) - 1e-9;
-    (from_start <= length + 1e-9).then_some(from_start / length)
-}
-
-/// The mesh vertices that each chord inserts at, shape `[chord][branch]`. On a coarse mesh branches that
-/// would share a vertex are merged: the first keeps it. All first branches come before all second ones.
-fn insert(plans: &[Plan], surface: &Surface, sheet: &Sheet, margins: &[Vec<f64>; 2]) -> Vec<Vec<usize>> {
-    let mut taken = vec![false; sheet.points_mm.len()];
-    let mut insertions = vec![Vec::new(); plans.len()];
-    let most = plans.iter().map(|plan| plan.across.len()).max().unwrap_or(0);
-    for branch in 0..most {
-        for (plan, insertion) in plans.iter().zip(&mut insertions) {
-            let Some(&across) = plan.across.get(branch) else {
-                continue;
-            };
-            let nearest = if plan.group == MARGINAL {
-                nearest_on_margin(surface, sheet, &margins[plan.side as usize], plan.side, across)
-            } else {
-                nearest_inside(surface, sheet, plan.side, across, DOWN[plan.group])
-            };
-            if let Some(vertex) = nearest.filter(|&vertex| !taken[vertex]) {
-                taken[vertex] = true;
-                insertion.push(vertex);
-            }
-        }
-    }
-    insertions
-}
-
-fn nearest_on_margin(
-    surface: &Surface,
-    sheet: &Sheet,
-    margin: &[f64],
-    side: Side,
-    across: f64,
-) -> Option<usize> {
-    let wanted = interpolate(margin, across);
-    let off = |vertex: usize| {
-        let across = across_on(surface, side, sheet.arc_mm[vertex])?;
-        Some((interpolate(margin, across) - wanted).abs())
-    };
-    nearest(sheet, |place| matches!(place, Place::Margin | Place::Corner), off)
-}
-
-fn nearest_inside(surface: &Surface, sheet: &Sheet, side: Side, across: f64, down: f64) -> Option<usize> {
-    let arc = surface.annulus.arc_of(side, across);
-    let site = surface.at(arc, down * surface.height_mm(arc));
-    let off = |vertex: usize| {
-        across_on(surface, side, sheet.arc_mm[vertex])?;
-        Some((sheet.points_mm[vertex] - site).norm())
-    };
-    nearest(sheet, |place| place == Place::Interior, off)
-}
-
-fn nearest(sheet: &Sheet, fits: impl Fn(Place) -> bool, off: impl Fn(usize) -> Option<f64>) -> Option<usize> {
-    let candidates = (0..sheet.points_mm.len()).filter(|&vertex| fits(sheet.place[vertex]));
-    let measured = candidates.filter_map(|vertex| Some((off(vertex)?, vertex)));
-    measured
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, vertex)| vertex)
-}
-
 /// Segments of each group, with rest lengths from the closed shape.
-fn lines(
-    parameters: &ValveParameters,
-    plans: &[Plan],
-    insertions: &[Vec<usize>],
-    surface: &Surface,
-    sheet: &Sheet,
-) -> [LineMesh; 4] {
+fn lines(parameters: &ValveParameters, plans: &[Plan], surface: &Surface) -> [LineMesh; 4] {
     let pattern = &parameters.chordae;
     let closed = ClosedShape::new(
         parameters,
@@ -271,15 +193,14 @@ fn lines(
         rest_length_mm: Some(Vec::new()),
         ..LineMesh::default()
     });
-    for (plan, vertices) in plans.iter().zip(insertions) {
-        let ends: Vec<[Vec3; 2]> = vertices
-            .iter()
-            .filter_map(|&vertex| {
-                let across = across_on(surface, plan.side, sheet.arc_mm[vertex])?;
-                let down = sheet.depth_mm[vertex] / surface.height_mm(sheet.arc_mm[vertex]);
-                Some([sheet.points_mm[vertex], closed.at(plan.side, across, down)])
-            })
-            .collect();
+    for plan in plans {
+        let down = DOWN[plan.group];
+        let end = |&across: &f64| {
+            let arc = surface.annulus.arc_of(plan.side, across);
+            let open = surface.at(arc, down * surface.height_mm(arc));
+            [open, closed.at(plan.side, across, down)]
+        };
+        let ends: Vec<[Vec3; 2]> = plan.across.iter().map(end).collect();
         let head = [
             heads.now_mm[plan.muscle][plan.head],
             heads.before_mm[plan.muscle][plan.head],

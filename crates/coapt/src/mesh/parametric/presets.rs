@@ -80,11 +80,11 @@ fn dilate(valve: &mut ValveParameters) {
         posterior_height_mm: 1.2,
         ..valve.annulus
     };
-    valve.leaflets.height_scale *= 0.925;
-    // 3.5 mm in all, at the lower end of the 3-8 mm usual for symmetric tethering: enough for a tenting volume of 4 mL
-    // (5.2 ± 1.8 mL in the same patients) and an orifice of 25-50 mm².
-    valve.papillary.anterolateral_shift_mm = [2.0, 2.5, -1.5];
-    valve.papillary.posteromedial_shift_mm = [-2.0, 2.5, -1.5];
+    valve.leaflets.height_scale *= 0.89;
+    // 4.4 mm in all, at the lower end of the 3-8 mm usual for symmetric tethering: enough for a tenting volume of 5.3 mL
+    // (5.2 ± 1.8 mL in the same patients) and an orifice of 20 mm².
+    valve.papillary.anterolateral_shift_mm = [2.5, 3.0, -2.0];
+    valve.papillary.posteromedial_shift_mm = [-2.5, 3.0, -2.0];
 }
 
 /// The six marginal chordae that reach two fifths of the posterior margin, which is all of P2 (28 % of the hinge) and
@@ -99,6 +99,7 @@ fn rupture(valve: &mut ValveParameters) {
         posterior_height_mm: 2.5,
         ..valve.annulus
     };
+    valve.leaflets.height_scale *= 0.96;
     valve.leaflets.posterior_heights_mm[1] *= 1.1;
     valve.chordae.ruptured_posterior_fraction = 0.4;
 }
@@ -115,7 +116,7 @@ fn enlarge(valve: &mut ValveParameters) {
         posterior_height_mm: 0.8,
         ..valve.annulus
     };
-    valve.leaflets.height_scale *= 4.0 / 3.0;
+    valve.leaflets.height_scale *= 1.28;
     valve.leaflets.thickness_mm = 1.5;
     valve.leaflets.tissue = scaled(valve.leaflets.tissue, 0.5, 1.3);
     valve.papillary.anterolateral_mm = [16.0, 5.0, -26.0];
@@ -128,7 +129,7 @@ fn enlarge(valve: &mut ValveParameters) {
 /// that hardly stretches needs 10 % more of them to be imaged at the usual size under pressure (our choice).
 fn restrict(valve: &mut ValveParameters) {
     valve.leaflets.posterior_heights_mm = valve.leaflets.posterior_heights_mm.map(|height| 0.9 * height);
-    valve.leaflets.height_scale *= 1.1;
+    valve.leaflets.height_scale *= 1.055;
     valve.leaflets.thickness_mm = 2.0;
     valve.leaflets.tissue = scaled(valve.leaflets.tissue, 3.0, 0.4);
     valve.chordae.rest_length_scale = 0.87;
@@ -142,11 +143,13 @@ fn scaled(tissue: Tissue, modulus: f64, transition: f64) -> Tissue {
             transition_strain,
             post_transition_modulus_mpa,
             compression_modulus_ratio,
+            bending_modulus_ratio,
         } => Tissue::BilinearSprings {
             pre_transition_modulus_mpa: pre_transition_modulus_mpa * modulus,
             transition_strain: transition_strain * transition,
             post_transition_modulus_mpa: post_transition_modulus_mpa * modulus,
             compression_modulus_ratio,
+            bending_modulus_ratio,
         },
     }
 }

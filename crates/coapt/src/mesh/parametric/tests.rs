@@ -140,7 +140,9 @@ fn columns_are_as_long_as_the_leaflets_are_high() {
 fn heights_pass_through_their_controls() {
     let parameters = ValveParameters::default();
     let surface = Surface::new(&parameters);
-    let height = |side, across| surface.height_mm(surface.annulus.arc_of(side, across)) / 1.2;
+    let height = |side, across| {
+        surface.height_mm(surface.annulus.arc_of(side, across)) / parameters.leaflets.height_scale
+    };
     for (across, expected) in [(0.0, 8.0), (0.2, 17.5), (0.5, 20.6), (0.8, 17.5), (1.0, 8.0)] {
         assert!((height(Side::Anterior, across) - expected).abs() < 1e-9);
     }

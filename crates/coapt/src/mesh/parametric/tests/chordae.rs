@@ -1,6 +1,7 @@
 //! What the chordae of a generated valve must be, and how presets differ.
 
 use super::*;
+use crate::model::Model;
 use crate::scene::{ChordGroup, LineMesh, Tissue};
 
 fn group<'a>(scene: &'a Scene, name: &str) -> &'a ChordGroup {
@@ -42,46 +43,41 @@ fn most_healthy_chordae_are_slack_while_the_valve_is_open() {
     }
 }
 
+/// Every chord of every mesh hangs on a tip and ends in a leaflet, off the annulus; where and how long they are does not
+/// depend on the mesh. Built without a word: no end was too far from the leaflets to be taken, none is held.
 #[test]
-fn chordae_insert_exactly_and_only_once() {
+fn chordae_are_the_same_on_every_mesh() {
     for preset in Preset::ALL {
-        for faces in [200, 650, 2600] {
-            let scene = valve(preset, faces);
-            let (points, _, annulus) = welded(&scene);
-            let heads: Vec<[f64; 3]> = scene
-                .papillary
+        let scenes = [200, 650, 2600].map(|faces| valve(preset, faces));
+        for scene in &scenes {
+            assert_eq!(scene.chordae, scenes[0].chordae);
+            let built = Model::build(scene).expect("a valve");
+            assert!(built.warnings.is_empty(), "{:#?}", built.warnings);
+            let leaflet_vertex = |&(v, _): &(u32, f64)| (v as usize) < built.model.leaflet_vertex_count;
+            let inserted = built
+                .model
+                .chords
+                .points
                 .iter()
-                .flat_map(|muscle| muscle.tips_mm.clone())
-                .collect();
-            let mut used = vec![0; points.len()];
-            for mesh in scene.chordae.iter().filter_map(|group| group.mesh.as_ref()) {
-                for (number, point) in mesh.points_mm.iter().enumerate() {
-                    let starts = mesh.segments.iter().filter(|s| s[0] as usize == number).count();
-                    let ends = mesh.segments.iter().filter(|s| s[1] as usize == number).count();
-                    match points.iter().position(|p| p == point) {
-                        Some(vertex) => {
-                            used[vertex] += 1;
-                            assert!(!annulus[vertex] && (starts, ends) == (0, 1));
-                        }
-                        None if heads.contains(point) => assert_eq!(ends, 0),
-                        None => assert!(starts >= 2 && ends == 1, "branch node"),
-                    }
-                }
-                assert!(
-                    mesh.rest_length_mm
-                        .as_ref()
-                        .expect("given")
-                        .iter()
-                        .all(|l| l.is_finite() && *l > 0.0)
-                );
-            }
-            assert!(used.iter().all(|&count| count <= 1));
+                .filter(|point| point.iter().any(leaflet_vertex));
+            let segments: usize = scene
+                .chordae
+                .iter()
+                .filter_map(|g| g.mesh.as_ref())
+                .map(ends)
+                .sum();
+            assert_eq!(inserted.count(), segments);
         }
     }
 }
 
-/// 8 anterior, 14 posterior and 2 commissural trunks, on both muscles; fans of three once the mesh can carry
-/// them.
+/// Segments that nothing hangs on.
+fn ends(mesh: &LineMesh) -> usize {
+    let last = |s: &&[u32; 2]| mesh.segments.iter().all(|t| t[0] != s[1]);
+    mesh.segments.iter().filter(last).count()
+}
+
+/// 8 anterior, 14 posterior and 2 commissural trunks, on both muscles, in fans of three.
 #[test]
 fn the_chord_pattern_is_that_of_a_heart() {
     let scene = valve(Preset::Healthy, 10_000);
@@ -99,10 +95,6 @@ fn the_chord_pattern_is_that_of_a_heart() {
         let mesh = group(&scene, name).mesh.as_ref().expect("inline");
         assert_eq!((from_heads(mesh, 0), from_heads(mesh, 1)), (each, each), "{name}");
     }
-    // On the coarsest mesh, too, nearly every chord still reaches the leaflets.
-    let coarse = valve(Preset::Healthy, 200);
-    let coarse = group(&coarse, "marginal").mesh.as_ref().expect("inline");
-    assert!(from_heads(coarse, 0) + from_heads(coarse, 1) >= 20);
 }
 
 /// The dilated valve's chordae are those of the healthy one: the same closed distances, up to where on the

@@ -1,0 +1,313 @@
+//! `coapt study`: closes one valve at many settings and sets error against time.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::builder::RangedI64ValueParser;
+use clap::{Args, value_parser};
+use coapt::measure::{VisibleDistance, visible_distance};
+use coapt::model::Model;
+use coapt::relax::{Equilibrium, relax};
+use coapt::scene::Fault;
+use coapt::state::State;
+use coapt_io::report::NOTICE;
+use coapt_io::study::{
+    ERROR_MEANS, Factor, KNEE_MEANS, Reference, Row, STUDY_SCHEMA, Study, mark, text, write_study,
+};
+
+use crate::case::{self, Case, FACES_OF_A_PRESET, Source};
+use crate::closure::on_threads;
+use crate::output::{Failure, Verdict, print, say};
+
+/// What `coapt study` understands.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// A preset, a scene file, or a folder with a scene.toml [default: healthy]
+    scene: Option<PathBuf>,
+    /// Mesh sizes of a preset, in triangles [default: 160,320,650,1300,2600]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = mesh_size())]
+    faces: Vec<u32>,
+    /// Mesh size of the reference, in triangles [default: four times the finest mesh; a scene has but its own]
+    #[arg(long, value_name = "N", value_parser = mesh_size())]
+    reference_faces: Option<u32>,
+    /// Residuals to stop at, each tried on every mesh
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = tolerance,
+          default_value = "1e-1,1e-2,1e-3,1e-4,1e-5,1e-6")]
+    tolerance: Vec<f64>,
+    /// Contact thicknesses in mm, each tried on the mesh of about 650 triangles at the scene's residual
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = thickness, default_value = "0.3,0.5,0.8")]
+    thickness: Vec<f64>,
+    /// Closures of each setting, of which the median time counts
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = value_parser!(u16).range(1..=1000))]
+    repeats: u16,
+    /// Folder for study.csv, study.json and study.svg, made if need be; results of an earlier run are replaced
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// How many threads to use; the shapes do not depend on it, the times do [default: one per core]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// From the coarsest mesh that still looks like a valve to the one at which the leaflets' folds are resolved.
+const FACES: [u32; 5] = [160, 320, 650, 1300, 2600];
+/// More triangles are generated for no valve.
+const MOST_FACES: u32 = 1_000_000;
+/// The reference mesh has this many times the triangles of the finest one: half its edge length, so that even the
+/// finest shows half of its own error or more.
+const REFERENCE_FINER: u32 = 4;
+/// Residuals of the reference, tightest first: rounding decides which is reached.
+const REFERENCE_TOLERANCES: [f64; 3] = [1e-10, 1e-8, 1e-6];
+/// Thicker contact than this [mm] would hold leaflets of any valve apart at rest.
+const THICKEST_MM: f64 = 5.0;
+
+fn mesh_size() -> RangedI64ValueParser<u32> {
+    value_parser!(u32).range(100..=i64::from(MOST_FACES))
+}
+
+fn tolerance(word: &str) -> Result<f64, String> {
+    let inside = |value: &f64| *value > 0.0 && *value < 1.0;
+    let number = word.trim().parse().ok().filter(inside);
+    number.ok_or_else(|| "expected a number above 0 and below 1".to_owned())
+}
+
+fn thickness(word: &str) -> Result<f64, String> {
+    let inside = |value: &f64| *value > 0.0 && *value <= THICKEST_MM;
+    let number = word.trim().parse().ok().filter(inside);
+    number.ok_or_else(|| format!("expected a number of mm above 0, at most {THICKEST_MM}"))
+}
+
+/// Runs the verb.
+pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
+    let (models, finest) = models(arguments)?;
+    // Before minutes of work, not after.
+    prepare(&arguments.out)?;
+    let Some(study) = on_threads(arguments.threads, || Ok(study(arguments, &models, &finest)))? else {
+        say("error: no reference: the finest mesh did not close to a certified state at any residual\n");
+        return Ok(Verdict::Uncertified);
+    };
+    write_study(&arguments.out, &study).map_err(Failure::Outside)?;
+    print(&text(&study))?;
+    say(&format!("results are in {}\n", arguments.out.display()));
+    // Settings that fail are what a study is to find; only where all fail is there nothing to trust.
+    Ok(match study.rows.iter().any(|row| row.certified) {
+        true => Verdict::Done,
+        false => Verdict::Uncertified,
+    })
+}
+
+fn prepare(folder: &Path) -> Result<(), Failure> {
+    let place = folder.display().to_string();
+    if folder.exists() && !folder.is_dir() {
+        return Err(vec![Fault::error(place, "is a file; expected a folder to write to")].into());
+    }
+    std::fs::create_dir_all(folder).map_err(|error| Failure::Outside(Fault::error(place, error.to_string())))
+}
+
+/// The valve at every mesh size, coarsest first, and the one of the reference.
+fn models(arguments: &Arguments) -> Result<(Vec<Model>, Model), Failure> {
+    let case = case::open(arguments.scene.as_deref())?;
+    let Source::Preset(preset) = case.source else {
+        return of_scene(arguments, &case);
+    };
+    let mut sizes = match &arguments.faces[..] {
+        [] => FACES.to_vec(),
+        faces => faces.to_vec(),
+    };
+    sizes.sort_unstable();
+    sizes.dedup();
+    let finest = sizes.last().copied().unwrap_or(FACES_OF_A_PRESET);
+    let of_reference = arguments
+        .reference_faces
+        .unwrap_or(MOST_FACES.min(finest * REFERENCE_FINER));
+    let build = |faces: u32| -> Result<Model, Failure> { Ok(case::build(&case::preset(preset, faces)?)?.0) };
+    let mut models = sizes.into_iter().map(build).collect::<Result<Vec<_>, _>>()?;
+    // Sizes aimed at are met roughly: two of them may be one mesh.
+    models.dedup_by_key(|model| model.faces.len());
+    Ok((models, build(of_reference)?))
+}
+
+fn of_scene(arguments: &Arguments, case: &Case) -> Result<(Vec<Model>, Model), Failure> {
+    for (option, given) in [
+        ("--faces", !arguments.faces.is_empty()),
+        ("--reference-faces", arguments.reference_faces.is_some()),
+    ] {
+        if given {
+            let message = "is for presets: a scene has the mesh that it has";
+            return Err(vec![Fault::error(option, message)].into());
+        }
+    }
+    let (model, _) = case::build(case)?;
+    Ok((vec![model.clone()], model))
+}
+
+/// All closures; nothing where the reference cannot be trusted.
+fn study(arguments: &Arguments, models: &[Model], finest: &Model) -> Option<Study> {
+    let (reference, exact) = reference(finest)?;
+    let closures: Vec<Closure> = settings(arguments, models)
+        .map(|setting| close(setting, arguments.repeats))
+        .collect();
+    let mut rows: Vec<Row> = closures
+        .iter()
+        .map(|closure| {
+            // Tolerances of a mesh come loosest first: its last closure of the grid is its tightest.
+            let tightest = closures.iter().rfind(|other| {
+                other.varied == Factor::MeshAndTolerance
+                    && other.model.faces.len() == closure.model.faces.len()
+            });
+            let own = tightest.and_then(|tightest| closure.distance(&tightest.model, &tightest.closed));
+            Row {
+                error: closure.distance(finest, &exact),
+                own_mesh_rms_mm: own.map(|own| own.rms_mm),
+                ..row(closure)
+            }
+        })
+        .collect();
+    mark(&mut rows);
+    Some(Study {
+        schema: STUDY_SCHEMA,
+        version: env!("CARGO_PKG_VERSION"),
+        notice: NOTICE,
+        error: ERROR_MEANS,
+        knee: KNEE_MEANS,
+        case: finest.name.clone(),
+        repeats: arguments.repeats,
+        reference,
+        rows,
+    })
+}
+
+/// The closure of the finest mesh to the tightest residual at which it is certified.
+fn reference(finest: &Model) -> Option<(Reference, Equilibrium)> {
+    REFERENCE_TOLERANCES.into_iter().find_map(|residual_tolerance| {
+        let faces = finest.faces.len();
+        say(&format!(
+            "reference: {faces} triangles, residual {residual_tolerance:e} ...\n"
+        ));
+        let model = with(finest, residual_tolerance, finest.contact.thickness_mm);
+        let exact = relax(&model, &State::open(&model));
+        let reference = Reference {
+            faces,
+            residual_tolerance,
+            residual: exact.certificate.residual,
+            contact_thickness_mm: model.contact.thickness_mm,
+        };
+        exact
+            .certificate
+            .is_certified(exact.status)
+            .then_some((reference, exact))
+    })
+}
+
+/// Every valve to be closed: each mesh at each tolerance, then the default one at other settings, one at a time.
+fn settings<'a>(
+    arguments: &'a Arguments,
+    models: &'a [Model],
+) -> impl Iterator<Item = (Factor, Model)> + use<'a> {
+    let tolerances = ascending(&arguments.tolerance);
+    let thicknesses = ascending(&arguments.thickness);
+    let grid = models.iter().flat_map(move |model| {
+        let at = |&tolerance: &f64| {
+            (
+                Factor::MeshAndTolerance,
+                with(model, tolerance, model.contact.thickness_mm),
+            )
+        };
+        tolerances.iter().rev().map(at).collect::<Vec<_>>()
+    });
+    let usual = models
+        .iter()
+        .min_by_key(|model| model.faces.len().abs_diff(FACES_OF_A_PRESET as usize));
+    let thicker = usual.into_iter().flat_map(move |model| {
+        let other = thicknesses.iter().filter(|&&mm| mm != model.contact.thickness_mm);
+        let at = |&mm: &f64| {
+            (
+                Factor::ContactThickness,
+                with(model, model.settings.residual_tolerance, mm),
+            )
+        };
+        other.map(at).collect::<Vec<_>>()
+    });
+    grid.chain(thicker)
+}
+
+fn ascending(values: &[f64]) -> Vec<f64> {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
+}
+
+fn with(model: &Model, residual_tolerance: f64, contact_thickness_mm: f64) -> Model {
+    let mut model = model.clone();
+    model.settings.residual_tolerance = residual_tolerance;
+    model.contact.thickness_mm = contact_thickness_mm;
+    model
+}
+
+/// A valve closed.
+struct Closure {
+    varied: Factor,
+    model: Model,
+    closed: Equilibrium,
+    /// Median of the repeats.
+    wall_ms: f64,
+}
+
+impl Closure {
+    fn distance(&self, other: &Model, closed: &Equilibrium) -> Option<VisibleDistance> {
+        let (here, there) = (&self.closed.state, &closed.state);
+        visible_distance(&self.model, &here.positions_mm, other, &there.positions_mm)
+    }
+}
+
+/// Closes a valve and tells of it; all repeats end in the same bytes, so the first is kept.
+fn close((varied, model): (Factor, Model), repeats: u16) -> Closure {
+    say(&format!(
+        "{} triangles, residual {:e}, contact thickness {} mm ...\n",
+        model.faces.len(),
+        model.settings.residual_tolerance,
+        model.contact.thickness_mm
+    ));
+    let open = State::open(&model);
+    let timed = || {
+        let start = Instant::now();
+        let closed = relax(&model, &open);
+        (closed, start.elapsed().as_secs_f64() * 1e3)
+    };
+    let (closed, first_ms) = timed();
+    let mut times_ms = vec![first_ms];
+    times_ms.extend((1..repeats).map(|_| timed().1));
+    Closure {
+        varied,
+        closed,
+        wall_ms: median(times_ms),
+        model,
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    0.5 * (values[values.len() / 2] + values[(values.len() - 1) / 2])
+}
+
+/// A row but for its errors and its place among the others.
+fn row(closure: &Closure) -> Row {
+    let (model, closed) = (&closure.model, &closure.closed);
+    let certificate = &closed.certificate;
+    Row {
+        varied: closure.varied,
+        faces: model.faces.len(),
+        residual_tolerance: model.settings.residual_tolerance,
+        contact_thickness_mm: model.contact.thickness_mm,
+        status: closed.status,
+        certified: certificate.is_certified(closed.status),
+        residual: certificate.residual,
+        iterations: closed.history.len(),
+        crossings: certificate.crossings.len(),
+        wall_ms: closure.wall_ms,
+        error: None,
+        own_mesh_rms_mm: None,
+        on_front: false,
+        knee: false,
+    }
+}

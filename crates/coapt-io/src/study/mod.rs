@@ -1,0 +1,156 @@
+//! A study of speed against error: its results, as tables for people and machines and as a picture.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `study.csv` | a line per closure |
+//! | `study.json` | the same, with the reference and what the columns mean |
+//! | `study.svg` | error against time, with the knee |
+
+mod axis;
+mod front;
+mod plot;
+mod table;
+
+use std::path::Path;
+
+use coapt::measure::VisibleDistance;
+use coapt::relax::Status;
+use coapt::scene::Fault;
+use serde::Serialize;
+
+use crate::atomic::write_text_atomically;
+
+pub use front::{front, knee, mark};
+pub use plot::svg;
+pub use table::{csv, text};
+
+/// The layout of `study.json`.
+pub const STUDY_SCHEMA: &str = "coapt-study/1";
+
+/// What `rms_mm` and the other errors are.
+pub const ERROR_MEANS: &str = "distance to the reference where the valve is seen from the atrium";
+
+/// How the knee is found.
+pub const KNEE_MEANS: &str = "of the closures that none beats in both time and error, the one farthest below the \
+                              straight line from the fastest to the most exact, in decades of time and error";
+
+/// All closures of a study.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Study {
+    /// [`STUDY_SCHEMA`].
+    pub schema: &'static str,
+    /// Version of the program.
+    pub version: &'static str,
+    /// [`crate::report::NOTICE`].
+    pub notice: &'static str,
+    /// [`ERROR_MEANS`].
+    pub error: &'static str,
+    /// [`KNEE_MEANS`].
+    pub knee: &'static str,
+    /// Name of the case.
+    pub case: String,
+    /// Closures of each setting; times are their medians.
+    pub repeats: u16,
+    /// What errors are measured against.
+    pub reference: Reference,
+    /// The closures.
+    pub rows: Vec<Row>,
+}
+
+/// The closure that errors are measured against.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Reference {
+    /// Triangles.
+    pub faces: usize,
+    /// Residual asked for [1].
+    pub residual_tolerance: f64,
+    /// Residual reached [1].
+    pub residual: f64,
+    /// Contact thickness [mm].
+    pub contact_thickness_mm: f64,
+}
+
+/// What a closure differs in from the default one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Factor {
+    /// Size of the mesh and residual tolerance.
+    MeshAndTolerance,
+    /// Contact thickness: another valve, strictly, so that it competes for no knee.
+    ContactThickness,
+}
+
+impl Factor {
+    /// As written in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MeshAndTolerance => "mesh-and-tolerance",
+            Self::ContactThickness => "contact-thickness",
+        }
+    }
+}
+
+/// One closure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Why it is in the study.
+    pub varied: Factor,
+    /// Triangles.
+    pub faces: usize,
+    /// Residual asked for [1].
+    pub residual_tolerance: f64,
+    /// Contact thickness [mm].
+    pub contact_thickness_mm: f64,
+    /// Why the solver stopped.
+    pub status: Status,
+    /// Whether the result may be used: converged, stable, nothing crosses.
+    pub certified: bool,
+    /// Residual reached [1].
+    pub residual: f64,
+    /// Solver iterations.
+    pub iterations: usize,
+    /// Edges that pass through faces.
+    pub crossings: usize,
+    /// Wall-clock time of the closure, certificate included, median [ms].
+    pub wall_ms: f64,
+    /// Distance to the reference; absent where nothing is visible.
+    pub error: Option<VisibleDistance>,
+    /// Distance, as the error's root mean square, to the closure of the same mesh at the tightest residual tried and
+    /// the default thickness [mm]: what is not the mesh's fault.
+    pub own_mesh_rms_mm: Option<f64>,
+    /// Whether no other closure beats this one in both time and error.
+    pub on_front: bool,
+    /// Whether it is the knee of the front.
+    pub knee: bool,
+}
+
+impl Study {
+    /// The closure at the knee.
+    pub fn knee_row(&self) -> Option<&Row> {
+        self.rows.iter().find(|row| row.knee)
+    }
+}
+
+/// Writes table, object and picture into a folder, which is made if need be; files of the same names are replaced.
+///
+/// # Errors
+/// What the file system says.
+pub fn write_study(folder: &Path, study: &Study) -> Result<(), Fault> {
+    let told = |path: &Path, error: &dyn std::fmt::Display| {
+        Fault::error(path.display().to_string(), error.to_string())
+    };
+    std::fs::create_dir_all(folder).map_err(|error| told(folder, &error))?;
+    let json = serde_json::to_string_pretty(study).map_err(|error| told(folder, &error))? + "\n";
+    for (name, text) in [
+        ("study.csv", csv(study)),
+        ("study.json", json),
+        ("study.svg", svg(study)),
+    ] {
+        let path = folder.join(name);
+        write_text_atomically(&path, text.as_bytes()).map_err(|error| told(&path, &error))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;
