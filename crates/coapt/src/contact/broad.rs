@@ -35,9 +35,20 @@ impl SweepAndPrune {
         faces: &[[u32; 3]],
         positions_mm: &[Vec3],
         reach_mm: f64,
+        visit: impl FnMut(u32, u32),
+    ) {
+        self.grown_overlaps(faces, positions_mm, |_| 0.5 * reach_mm, visit);
+    }
+
+    /// The same for boxes that are each grown by a margin of their own.
+    pub fn grown_overlaps(
+        &mut self,
+        faces: &[[u32; 3]],
+        positions_mm: &[Vec3],
+        margin_mm: impl Fn(u32) -> f64,
         mut visit: impl FnMut(u32, u32),
     ) {
-        self.sort(faces, positions_mm, 0.5 * reach_mm);
+        self.sort(faces, positions_mm, margin_mm);
         let (start, width, count) = self.deal_out();
         let [along, across, third] = self.axes;
         for (number, strip) in self.strips[..count].iter().enumerate() {
@@ -91,7 +102,7 @@ impl SweepAndPrune {
         (low, width, count)
     }
 
-    fn sort(&mut self, faces: &[[u32; 3]], positions_mm: &[Vec3], margin_mm: f64) {
+    fn sort(&mut self, faces: &[[u32; 3]], positions_mm: &[Vec3], margin_mm: impl Fn(u32) -> f64) {
         if self.order.len() != faces.len() {
             self.axes = axes_by_length(positions_mm);
             self.order = (0..faces.len() as u32).collect();
@@ -102,7 +113,7 @@ impl SweepAndPrune {
         let boxes = self
             .order
             .iter()
-            .map(|&face| face_box(faces, positions_mm, face, margin_mm));
+            .map(|&face| face_box(faces, positions_mm, face, margin_mm(face)));
         self.boxes.clear();
         self.boxes.extend(boxes);
         insertion_sort(&mut self.boxes, self.axes[0]);

@@ -235,21 +235,25 @@ impl PairList {
         self.face_motions.clear();
         if let Some(step_mm) = step_mm {
             face_motions(faces, step_mm, &mut self.face_motions);
+            // What all faces do together brings none nearer.
+            let mean_mm = self.face_motions.iter().map(|motion| motion.mean_mm).sum::<Vec3>()
+                / faces.len().max(1) as f64;
+            self.face_motions.iter_mut().for_each(|motion| motion.mean_mm -= mean_mm);
         }
         let apart = &mut self.apart;
         apart.begin(positions_mm, if step_mm.is_some() { 0.0 } else { budget_mm });
-        // Two parts come at most twice as much nearer as their vertices move.
-        let reach_mm = place.thickness_mm + 2.0 * budget_mm;
+        let margin_mm = |face: u32| {
+            let motion = self.face_motions.get(face as usize);
+            0.5 * place.thickness_mm + motion.map_or(budget_mm, FaceMotion::longest_mm)
+        };
         self.sweep
-            .overlapping_faces(faces, positions_mm, reach_mm, |f, g| {
+            .grown_overlaps(faces, positions_mm, margin_mm, |f, g| {
                 if share_vertex(&faces[f as usize], &faces[g as usize]) {
                     return;
                 }
                 let approach_mm = match self.face_motions.as_slice() {
                     [] => 2.0 * budget_mm,
-                    motions => motions[f as usize]
-                        .approach_mm(&motions[g as usize])
-                        .min(2.0 * budget_mm),
+                    motions => motions[f as usize].approach_mm(&motions[g as usize]),
                 };
                 let boxes = [f, g].map(|face| &self.face_boxes[face as usize]);
                 let are_neighbours = place.are_near_at_rest(f, g);
@@ -276,13 +280,11 @@ impl PairList {
         let listing = &mut self.neighbours;
         listing.begin(place.positions_mm, budget_mm);
         let most_mm = NEIGHBOUR_EDGES * budget_mm;
-        let activation_mm = place.longest_of_neighbours_mm();
         for group in &place.surface.neighbours {
             let (start, mut slack_mm) = (listing.pairs.len(), f64::INFINITY);
             let [first, end] = group.pairs.map(|index| index as usize);
-            for &(kind, vertices, area_mm2) in &place.surface.neighbour_pairs[first..end] {
-                let pair = unseen(kind, vertices, area_mm2);
-                slack_mm = slack_mm.min(listing.list(place, pair, activation_mm, most_mm));
+            for &parts in &place.surface.neighbour_pairs[first..end] {
+                slack_mm = slack_mm.min(listing.list(place, parts, true, most_mm));
             }
             listing.close_group(group.faces, start, slack_mm);
         }
@@ -301,13 +303,27 @@ impl Listing {
     /// Lists a pair if it has no more than some slack; returns its slack, or infinity. Where the pair begins to touch is
     /// found when it is first looked at; until then it counts as if it touched at the full thickness.
     #[inline]
-    fn list(&mut self, place: &Place, pair: Pair, activation_mm: f64, most_mm: f64) -> f64 {
+    fn list(
+        &mut self,
+        place: &Place,
+        (kind, vertices, area_mm2): (PairKind, [u32; 4], f64),
+        are_neighbours: bool,
+        most_mm: f64,
+    ) -> f64 {
+        let activation_mm = match are_neighbours {
+            true => place.longest_of_neighbours_mm(),
+            false => place.thickness_mm,
+        };
         let limit_mm = activation_mm + most_mm;
-        let squared = pair.nearest(place.positions_mm).separation_mm.norm_squared();
+        let nearest = nearest_of(kind, &corners(&vertices, place.positions_mm));
+        let squared = nearest.separation_mm.norm_squared();
         if squared > limit_mm * limit_mm {
             return f64::INFINITY;
         }
-        self.pairs.push(pair);
+        self.pairs.push(match are_neighbours {
+            true => unseen(kind, vertices, area_mm2),
+            false => place.pair_of_strangers(kind, vertices, area_mm2),
+        });
         squared.sqrt() - activation_mm
     }
 
@@ -363,6 +379,12 @@ impl Listing {
 }
 
 impl FaceMotion {
+    /// How far its vertices move, at most [mm].
+    #[inline]
+    fn longest_mm(&self) -> f64 {
+        self.mean_mm.norm() + self.spread_mm
+    }
+
     /// How much nearer two faces with these motions come, at most [mm].
     #[inline]
     fn approach_mm(&self, other: &Self) -> f64 {
@@ -453,11 +475,7 @@ impl Door<'_> {
 
     #[inline]
     fn list(&self, kind: PairKind, vertices: [u32; 4], area_mm2: f64, apart: &mut Listing) -> f64 {
-        let pair = match self.are_neighbours {
-            true => unseen(kind, vertices, area_mm2),
-            false => self.place.pair_of_strangers(kind, vertices, area_mm2),
-        };
-        apart.list(self.place, pair, self.activation_mm, self.slack_mm)
+        apart.list(self.place, (kind, vertices, area_mm2), self.are_neighbours, self.slack_mm)
     }
 }
 
