@@ -236,9 +236,15 @@ impl PairList {
         if let Some(step_mm) = step_mm {
             face_motions(faces, step_mm, &mut self.face_motions);
             // What all faces do together brings none nearer.
-            let mean_mm = self.face_motions.iter().map(|motion| motion.mean_mm).sum::<Vec3>()
+            let mean_mm = self
+                .face_motions
+                .iter()
+                .map(|motion| motion.mean_mm)
+                .sum::<Vec3>()
                 / faces.len().max(1) as f64;
-            self.face_motions.iter_mut().for_each(|motion| motion.mean_mm -= mean_mm);
+            self.face_motions
+                .iter_mut()
+                .for_each(|motion| motion.mean_mm -= mean_mm);
         }
         let apart = &mut self.apart;
         apart.begin(positions_mm, if step_mm.is_some() { 0.0 } else { budget_mm });
@@ -246,34 +252,33 @@ impl PairList {
             let motion = self.face_motions.get(face as usize);
             0.5 * place.thickness_mm + motion.map_or(budget_mm, FaceMotion::longest_mm)
         };
-        self.sweep
-            .grown_overlaps(faces, positions_mm, margin_mm, |f, g| {
-                if share_vertex(&faces[f as usize], &faces[g as usize]) {
-                    return;
-                }
-                let approach_mm = match self.face_motions.as_slice() {
-                    [] => 2.0 * budget_mm,
-                    motions => motions[f as usize].approach_mm(&motions[g as usize]),
+        self.sweep.grown_overlaps(faces, positions_mm, margin_mm, |f, g| {
+            if share_vertex(&faces[f as usize], &faces[g as usize]) {
+                return;
+            }
+            let approach_mm = match self.face_motions.as_slice() {
+                [] => 2.0 * budget_mm,
+                motions => motions[f as usize].approach_mm(&motions[g as usize]),
+            };
+            let boxes = [f, g].map(|face| &self.face_boxes[face as usize]);
+            let are_neighbours = place.are_near_at_rest(f, g);
+            let activation_mm = if are_neighbours {
+                place.longest_of_neighbours_mm()
+            } else {
+                place.thickness_mm
+            };
+            if boxes[0].gap_mm(boxes[1]) <= activation_mm + approach_mm {
+                let door = Door {
+                    place,
+                    face_boxes: &self.face_boxes,
+                    edge_boxes: &self.edge_boxes,
+                    are_neighbours,
+                    activation_mm,
+                    slack_mm: approach_mm,
                 };
-                let boxes = [f, g].map(|face| &self.face_boxes[face as usize]);
-                let are_neighbours = place.are_near_at_rest(f, g);
-                let activation_mm = if are_neighbours {
-                    place.longest_of_neighbours_mm()
-                } else {
-                    place.thickness_mm
-                };
-                if boxes[0].gap_mm(boxes[1]) <= activation_mm + approach_mm {
-                    let door = Door {
-                        place,
-                        face_boxes: &self.face_boxes,
-                        edge_boxes: &self.edge_boxes,
-                        are_neighbours,
-                        activation_mm,
-                        slack_mm: approach_mm,
-                    };
-                    door.list_faces(f, g, apart);
-                }
-            });
+                door.list_faces(f, g, apart);
+            }
+        });
     }
 
     fn list_neighbours(&mut self, place: &Place, budget_mm: f64) {
@@ -475,7 +480,12 @@ impl Door<'_> {
 
     #[inline]
     fn list(&self, kind: PairKind, vertices: [u32; 4], area_mm2: f64, apart: &mut Listing) -> f64 {
-        apart.list(self.place, (kind, vertices, area_mm2), self.are_neighbours, self.slack_mm)
+        apart.list(
+            self.place,
+            (kind, vertices, area_mm2),
+            self.are_neighbours,
+            self.slack_mm,
+        )
     }
 }
 
