@@ -18,7 +18,7 @@ pub trait Kernel {
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
-    if let pulp::x86::Arch::V3(machine) = pulp::x86::Arch::new() {
+    if let Some(machine) = pulp::x86::V3::try_new() {
         return machine.vectorize(
             #[inline(always)]
             || kernel.run::<true>(),

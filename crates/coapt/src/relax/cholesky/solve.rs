@@ -2,13 +2,9 @@
 
 use super::dense::{Lane, ROWS, SLOTS};
 use super::symbolic::{Node, triangle_strips};
-use super::tree::WIDTH_LIMIT;
 use super::{Factor, Symbolic};
 use crate::Vec3;
 use crate::simd::{Kernel, dispatch, multiply_add};
-
-/// Most strips of a triangle.
-const STRIPS: usize = WIDTH_LIMIT as usize / SLOTS;
 
 impl Symbolic {
     /// Solves (A + diag(σ)) x = b, shape `[size]`.
@@ -41,8 +37,8 @@ impl Kernel for Solution<'_> {
     fn run<const FUSED: bool>(self) {
         let Self { symbolic, factor, x } = self;
         let mut work = Work {
-            known: [[0.0; ROWS]; STRIPS],
-            sums: [[0.0; 4]; STRIPS * ROWS],
+            known: vec![[0.0; ROWS]; symbolic.widest_strips],
+            sums: vec![[0.0; 4]; symbolic.widest_strips * ROWS],
         };
         for node in &symbolic.nodes {
             symbolic.solve_lower::<FUSED>(node, &factor.panels[node.panel.clone()], x, &mut work);
@@ -56,9 +52,9 @@ impl Kernel for Solution<'_> {
 /// Room for what belongs to the columns of one node.
 struct Work {
     /// The part of the solution that is known.
-    known: [Lane; STRIPS],
+    known: Vec<Lane>,
     /// What later rows take from each column, in four parts.
-    sums: [[f64; 4]; STRIPS * ROWS],
+    sums: Vec<[f64; 4]>,
 }
 
 impl Symbolic {

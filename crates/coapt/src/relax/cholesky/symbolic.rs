@@ -3,6 +3,7 @@
 use super::dense::{ROWS, SLOTS};
 use super::order;
 use super::tree::{NONE, Tree, places};
+use crate::Mat3;
 use crate::relax::block_matrix::BlockMatrix;
 use std::ops::Range;
 
@@ -23,6 +24,10 @@ pub struct Symbolic {
     pub(super) panel_size: usize,
     /// Lanes of the two stacks of updates.
     pub(super) stack_sizes: [usize; 2],
+    /// Strips of the largest triangle.
+    pub(super) widest_strips: usize,
+    /// Indices of blocks that are taken to be zero.
+    left_out: Vec<u32>,
 }
 
 /// Columns that are eliminated together.
@@ -78,6 +83,40 @@ impl Symbolic {
         Self::with_order(matrix, &order::minimum_degree(matrix))
     }
 
+    /// As [`Self::new`], for a matrix whose zero blocks stay zero, which [`Self::covers`] tells.
+    ///
+    /// Most places of contact are empty: a point above a face that is nearest to an edge of it or to a vertex moves
+    /// two or one of its three vertices. Without them a closed valve of 10 000 faces takes 0.6 times as long.
+    pub fn of_nonzero(matrix: &BlockMatrix) -> Self {
+        let mut pattern = BlockMatrix {
+            column_starts: vec![0],
+            ..BlockMatrix::default()
+        };
+        let (mut kept, mut left_out) = (Vec::new(), Vec::new());
+        for column in matrix.column_starts.windows(2) {
+            for slot in column[0]..column[1] {
+                // The shift comes to the diagonal.
+                let is_needed = slot == column[0] || matrix.blocks[slot] != Mat3::zeros();
+                let slots = if is_needed { &mut kept } else { &mut left_out };
+                slots.push(slot as u32);
+            }
+            pattern.column_starts.push(kept.len());
+        }
+        pattern.rows = kept.iter().map(|&slot| matrix.rows[slot as usize]).collect();
+        let mut symbolic = Self::new(&pattern);
+        for source in &mut symbolic.sources {
+            source.slot = kept[source.slot as usize];
+        }
+        symbolic.left_out = left_out;
+        symbolic
+    }
+
+    /// Whether all blocks that the plan leaves out are zero: else it factorises another matrix.
+    pub fn covers(&self, matrix: &BlockMatrix) -> bool {
+        let is_zero = |&slot: &u32| matrix.blocks[slot as usize] == Mat3::zeros();
+        self.left_out.iter().all(is_zero)
+    }
+
     /// Finds where L fills in if columns are eliminated in this order, shape `[size]`.
     pub fn with_order(matrix: &BlockMatrix, order: &[u32]) -> Self {
         let tree = Tree::new(matrix, order);
@@ -111,6 +150,7 @@ impl Symbolic {
         let mut row_count = 0;
         for (columns, &height) in tree.starts.windows(2).zip(&tree.heights) {
             let columns = columns[0] as usize..columns[1] as usize;
+            self.widest_strips = self.widest_strips.max(triangle_strips(columns.len()));
             let height = height as usize;
             let strips = triangle_strips(columns.len()) + height.div_ceil(SLOTS);
             let lanes = strips * 3 * columns.len();

@@ -7,8 +7,6 @@ use crate::relax::block_matrix::BlockMatrix;
 
 /// No node, no column.
 pub(super) const NONE: u32 = u32::MAX;
-/// Widest node [blocks]: its panel of a strip then fits into the first-level cache, 12 × 96 numbers.
-pub(super) const WIDTH_LIMIT: u32 = 32;
 
 /// Columns in the order of elimination, grouped into nodes, children before parents.
 pub(super) struct Tree {
@@ -119,9 +117,9 @@ fn column_counts(left: &LeftPattern, parents: &[u32]) -> Vec<u32> {
 }
 
 /// What a node of so many columns and so many rows below them costs [cycles], but for what is the same for any grouping:
-/// products of blocks, the addition of what it leaves to its parent, and a constant. Estimates for Zen 4. Eleven sets of
-/// the last two and of a price per block stored, within a factor of two or so, could not be told apart by time: 141 to
-/// 149 µs at 650 faces, within the noise. The first was not varied.
+/// products of blocks, the addition of what it leaves to its parent, and a constant. Estimates for Zen 4. Nine sets of the
+/// three and of a price per block stored, within a factor of two or so, could not be told apart by time: 302 to 317 µs
+/// at 650 faces and 37 to 40 ms at 10 000, within the noise.
 fn cost(width: f64, height: f64) -> f64 {
     // The last strip is not full.
     let padded = height + 1.5;
@@ -142,7 +140,7 @@ fn merge(parents: &[u32], counts: &[u32]) -> Vec<u32> {
         let [height, parent_height] = [counts[column], counts[parent as usize]].map(f64::from);
         let apart = cost(width, height) + cost(parent_width, parent_height);
         let together = cost(width + parent_width, parent_height);
-        if together <= apart && widths[column] + widths[parent as usize] <= WIDTH_LIMIT {
+        if together <= apart {
             widths[parent as usize] += widths[column];
             merged[column] = parent;
         }
@@ -157,51 +155,56 @@ fn merge(parents: &[u32], counts: &[u32]) -> Vec<u32> {
 fn collect(order: &[u32], parents: &[u32], counts: &[u32], merged: &[u32]) -> Tree {
     let size = order.len();
     let mut members = Lists::new(size);
-    let mut children = Lists::new(size);
-    let mut roots = Vec::new();
     for column in (0..size as u32).rev() {
         members.push(merged[column as usize], column);
-        if merged[column as usize] == column {
-            match parents[column as usize] {
-                NONE => roots.push(column),
-                parent => children.push(merged[parent as usize], column),
-            }
-        }
     }
+    let parent_of = |top: u32| match parents[top as usize] {
+        NONE => NONE,
+        parent => merged[parent as usize],
+    };
+    let tops = children_first(merged, parent_of);
+    let mut numbers = vec![NONE; size];
     let mut tree = Tree {
         order: Vec::with_capacity(size),
         starts: vec![0],
         parents: Vec::new(),
-        heights: Vec::new(),
+        heights: tops.iter().map(|&top| counts[top as usize]).collect(),
     };
-    let mut numbers = vec![NONE; size];
+    for (number, &top) in tops.iter().enumerate() {
+        numbers[top as usize] = number as u32;
+        while let Some(column) = members.pop(top) {
+            tree.order.push(order[column as usize]);
+        }
+        tree.starts.push(tree.order.len() as u32);
+    }
+    let number_of = |top: u32| numbers.get(top as usize).copied().unwrap_or(NONE);
+    let parents = tops.iter().map(|&top| number_of(parent_of(top)));
+    tree.parents = parents.collect();
+    tree
+}
+
+/// The last columns of all nodes, children before parents and each subtree in one piece.
+fn children_first(merged: &[u32], parent_of: impl Fn(u32) -> u32) -> Vec<u32> {
+    let mut children = Lists::new(merged.len());
     let mut path = Vec::new();
-    let mut tops = Vec::new();
-    while let Some(root) = roots.pop() {
-        path.push(root);
-        while let Some(&top) = path.last() {
-            if let Some(child) = children.pop(top) {
-                path.push(child);
-                continue;
-            }
-            path.pop();
-            numbers[top as usize] = tops.len() as u32;
-            tops.push(top);
-            while let Some(column) = members.pop(top) {
-                tree.order.push(order[column as usize]);
-            }
-            tree.starts.push(tree.order.len() as u32);
-            tree.heights.push(counts[top as usize]);
+    let is_top = |column: &u32| merged[*column as usize] == *column;
+    for top in (0..merged.len() as u32).rev().filter(is_top) {
+        match parent_of(top) {
+            NONE => path.push(top),
+            parent => children.push(parent, top),
         }
     }
-    tree.parents = tops
-        .iter()
-        .map(|&top| match parents[top as usize] {
-            NONE => NONE,
-            parent => numbers[merged[parent as usize] as usize],
-        })
-        .collect();
-    tree
+    let mut tops = Vec::new();
+    while let Some(&top) = path.last() {
+        match children.pop(top) {
+            Some(child) => path.push(child),
+            None => {
+                path.pop();
+                tops.push(top);
+            }
+        }
+    }
+    tops
 }
 
 /// Stacks of small numbers, chained through one array.
