@@ -28,6 +28,7 @@ pub(super) struct System<'a> {
     /// K, or what of it is symmetric.
     pub(super) matrix: BlockMatrix,
     symbolic: Symbolic,
+    is_analysed: bool,
     factor: Factor,
     /// μ of the present factor [MPa/mm].
     pub(super) damping: f64,
@@ -62,6 +63,7 @@ impl<'a> System<'a> {
             weight_mm2: free.iter().map(area).collect(),
             matrix: BlockMatrix::default(),
             symbolic: Symbolic::default(),
+            is_analysed: false,
             factor: Factor::default(),
             damping: 0.0,
             handed_out: Vec::new(),
@@ -105,6 +107,12 @@ impl<'a> System<'a> {
             moved: &mut moved,
         };
         load::add_contact_tangent(self.model, near, positions, curvature, &mut sink);
+        // A third of the blocks that contact has room for are zero, closest points being mostly on edges and vertices: they
+        // are not factorised, for as long as they stay so.
+        if !self.is_analysed || !self.symbolic.covers(&self.matrix) {
+            self.symbolic = Symbolic::of_nonzero(&self.matrix);
+            self.is_analysed = true;
+        }
     }
 
     fn has_places_for(&self, near: &[Pair], positions: &[Vec3]) -> bool {
@@ -137,8 +145,8 @@ impl<'a> System<'a> {
                 matrix = united;
             }
         }
-        self.symbolic = Symbolic::new(&matrix);
         self.matrix = matrix;
+        self.is_analysed = false;
         self.find_slots();
     }
 
