@@ -5,7 +5,7 @@ use coapt::energy::pressure;
 use coapt::measure::measure;
 use coapt::mesh::parametric::Preset;
 use coapt::model::Model;
-use coapt::relax::{Equilibrium, Status, relax};
+use coapt::relax::{Equilibrium, Status, relax, relax_all};
 use coapt::state::State;
 use coapt::{Mat3, Vec3};
 use coapt_tests::{close, preset_model};
@@ -130,6 +130,13 @@ fn a_valve_turned_and_moved_closes_to_the_same_shape() {
         .fold(0.0, f64::max);
     // A residual of 1e-6 leaves position errors of some 1e-6 mm on soft modes.
     assert!(farthest < 1e-4, "{farthest} mm");
+}
+
+#[test]
+fn many_valves_close_as_each_by_itself() {
+    let models: Vec<Model> = Preset::ALL.map(|preset| preset_model(preset, 300, 0.0, 0)).into();
+    let each: Vec<Equilibrium> = models.iter().map(close).collect();
+    assert_eq!(relax_all(&models), each);
 }
 
 #[test]

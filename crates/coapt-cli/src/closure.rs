@@ -167,9 +167,10 @@ fn close(model: Model, mut warnings: Vec<Fault>, planned: Option<&Planned>) -> R
         repairs.push(repaired.report);
         repaired_model = repaired.model;
     }
+    let (before, after) = rayon::join(|| timed(model), || timed(repaired_model));
     Ok(Closure {
-        before: timed(model),
-        after: Some(timed(repaired_model)),
+        before,
+        after: Some(after),
         repairs,
         warnings,
     })

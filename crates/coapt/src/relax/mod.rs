@@ -17,6 +17,7 @@ use crate::state::State;
 pub use certificate::Certificate;
 use certificate::certify;
 use newton::Newton;
+use rayon::prelude::*;
 
 /// Where the solver came to rest, and why.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,6 +81,12 @@ pub fn relax(model: &Model, start: &State) -> Equilibrium {
     }
     let status = newton.iterate(&mut positions, &mut history);
     conclude(&mut newton, positions, status, history)
+}
+
+/// Closes many open valves, on as many threads as there are; the results are those of [`relax`], in the same order.
+pub fn relax_all(models: &[Model]) -> Vec<Equilibrium> {
+    let close = |model: &Model| relax(model, &State::open(model));
+    models.par_iter().map(close).collect()
 }
 
 /// A closed valve whose supports are moved bit by bit, as by a slider: each closure begins where the last one ended, with
