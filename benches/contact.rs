@@ -7,7 +7,8 @@
 
 use coapt::Vec3;
 use coapt::contact::broad::SweepAndPrune;
-use coapt::contact::pairs::{PairList, Place};
+use coapt::contact::gather::PairList;
+use coapt::contact::pairs::Place;
 use coapt_benches::{Scenery, closed_scenery, closed_sizes, label, place};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::cell::LazyCell;

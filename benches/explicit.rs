@@ -12,7 +12,8 @@
 //!   steps have become short.
 
 use coapt::contact::crossing::crossings;
-use coapt::contact::pairs::{Pair, PairList};
+use coapt::contact::gather::PairList;
+use coapt::contact::pairs::Pair;
 use coapt::contact::surface::Surface;
 use coapt::energy::Curvature;
 use coapt::model::Model;

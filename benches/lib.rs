@@ -15,7 +15,8 @@
 pub mod explicit;
 
 use coapt::Vec3;
-use coapt::contact::pairs::{Pair, PairList, Place, rigid_fraction};
+use coapt::contact::gather::PairList;
+use coapt::contact::pairs::{Pair, Place, rigid_fraction};
 use coapt::contact::surface::Surface;
 use coapt::mesh::parametric::{Preset, ValveParameters, generate};
 use coapt::model::Model;

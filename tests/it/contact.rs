@@ -4,8 +4,9 @@
 use coapt::Vec3;
 use coapt::contact::broad::SweepAndPrune;
 use coapt::contact::crossing::crossings;
+use coapt::contact::gather::PairList;
 use coapt::contact::nearest::{Nearest, edge_edge, point_triangle, triangle_parameters};
-use coapt::contact::pairs::{Pair, PairKind, PairList, Place};
+use coapt::contact::pairs::{Pair, PairKind, Place};
 use coapt::contact::step_bound;
 use coapt::contact::surface::Surface;
 use coapt_tests::Random;

@@ -3,7 +3,8 @@
 //! * [`surface`]: the triangles that can touch, with their edges, constant while relaxing.
 //! * [`broad`]: sweep and prune over triangle boxes, kept sorted from call to call.
 //! * [`nearest`]: closest points of point-triangle and edge-edge pairs.
-//! * [`pairs`]: the list of near pairs and how long it stays valid.
+//! * [`pairs`]: two parts and where they begin to touch.
+//! * [`gather`]: which pairs may touch during a step, kept from step to step.
 //! * [`penalty`]: energy, gradient and Hessian of the near pairs.
 //! * [`step_bound`]: how far each vertex may move so that nothing passes through anything.
 //! * [`crossing`]: the exact test whether two faces cross.
@@ -15,6 +16,7 @@
 
 pub mod broad;
 pub mod crossing;
+pub mod gather;
 pub mod nearest;
 pub mod pairs;
 pub mod penalty;

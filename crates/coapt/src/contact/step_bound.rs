@@ -3,7 +3,7 @@
 //! For two parts at distance d > 0 the plane through the closest points' connection, perpendicular to it,
 //! separates them. If every vertex stays on its own side of one such plane during a straight step, the parts
 //! cannot meet. The gap is shared out in proportion to how fast each side approaches; sliding along the plane
-//! is free. Pairs that are not listed are farther apart than the step can bridge ([`super::pairs::PairList::near`]).
+//! is free. Pairs that are not listed are farther apart than the step can bridge ([`super::gather::PairList`]).
 
 use super::pairs::{Pair, PairKind, corners};
 use crate::Vec3;

@@ -10,9 +10,10 @@
 
 use super::load::{self, Merit};
 use super::system::{Moved, System};
-use super::{Iteration, Status, stability};
+use super::{Iteration, Status};
 use crate::Vec3;
-use crate::contact::pairs::{Pair, PairList, Place, longest_mm, rigid_fraction};
+use crate::contact::gather::{PairList, longest_mm};
+use crate::contact::pairs::{Pair, Place, rigid_fraction};
 use crate::contact::step_bound;
 use crate::contact::surface::Surface;
 use crate::energy::Curvature;
@@ -33,21 +34,13 @@ const CRAWLING: f64 = 0.9;
 const CRAWL_LIMIT: u32 = 4;
 /// Relative residual of a Newton step [1]: Newton squares its error at best, and far away it cannot use more.
 const NEWTON_TOLERANCE: f64 = 1e-2;
-/// Relative residual of the solutions that eigenvalues are found from [1].
-const EIGEN_TOLERANCE: f64 = 1e-5;
 /// The exact tangent is tried with this many dampings, each so many times the last.
 const EXACT_TRIES: u32 = 8;
 const DAMPING_RISE: f64 = 4.0;
 /// The damping never falls below this part of its first value [1].
 const LEAST_DAMPING: f64 = 1e-7;
-/// Shifts that make the tangent definite are sought in steps of this factor [1].
-const SHIFT_RISE: f64 = 2.0;
 /// Unstable balances that are left, at most.
 const ESCAPE_LIMIT: u32 = 30;
-/// How far it then pushes, as a part of the longest step [1].
-const ESCAPE_STEP: f64 = 0.25;
-/// Inverse iterations that find the direction; a rough one will do.
-const INVERSE_ITERATIONS: u32 = 8;
 /// A step is good if the force along it has not turned round by more than this part of what it was [1].
 const OVERSHOOT: f64 = 0.5;
 /// So much after this many exact steps without a lower residual: at a kink of the springs' law full steps may lead to and
@@ -68,12 +61,12 @@ pub(super) struct Newton<'a> {
     pairs: PairList,
     /// The pairs that may touch where the valve now is.
     pub(super) near: Vec<Pair>,
-    system: System<'a>,
+    pub(super) system: System<'a>,
     /// Where the prescribed vertices go: as in the model, or as an edit has moved them.
     pub(super) prescribed: Vec<Prescribed>,
     reference_force_n: f64,
-    step_limit_mm: f64,
-    least_damping: f64,
+    pub(super) step_limit_mm: f64,
+    pub(super) least_damping: f64,
     /// So often the solver leaves an unstable balance of forces before it reports one.
     pub(super) escape_limit: u32,
     overshoot: f64,
@@ -84,11 +77,11 @@ pub(super) struct Newton<'a> {
     pub(super) gradient: Vec<Vec3>,
     trial_gradient: Vec<Vec3>,
     trial: Vec<Vec3>,
-    step: Vec<Vec3>,
+    pub(super) step: Vec<Vec3>,
     /// How prescribed vertices go on towards their targets [mm], shape `[vertex]`.
     motion: Vec<Vec3>,
     /// Right-hand side, then solution, shape `[free]`.
-    right: Vec<Vec3>,
+    pub(super) right: Vec<Vec3>,
     allowed: Vec<f64>,
 }
 
@@ -198,7 +191,7 @@ impl<'a> Newton<'a> {
     /// Pairs are gathered as if all vertices went at the same rate. Shortened ones do not: whom they may meet then is
     /// looked for again, until nobody needs to be shortened. What was bounded once stays so, since a separating plane
     /// holds for any part of a step.
-    fn bound_step(&mut self, positions: &[Vec3]) {
+    pub(super) fn bound_step(&mut self, positions: &[Vec3]) {
         let place = place(self.model, &self.surface, positions);
         self.pairs.gather(&place, &self.step, &mut self.near);
         while step_bound::shorten(&self.near, positions, &mut self.step, &mut self.allowed) {
@@ -346,72 +339,6 @@ impl<'a> Newton<'a> {
             *damping *= if exact { 8.0 } else { 4.0 };
         }
     }
-
-    /// Whether the valve stays where it is when pushed a little; see [`super::stability`]. The tangent is left
-    /// factorised with the least damping that makes its symmetric part positive definite.
-    pub(super) fn is_stable(&mut self, positions: &[Vec3]) -> bool {
-        if self.system.free.is_empty() {
-            return true;
-        }
-        self.system
-            .assemble(&self.near, positions, Curvature::Exact, None);
-        // Slack chord nodes have no stiffness at all: the least damping, far below any tissue's, keeps them from
-        // counting.
-        if self.system.factorise(self.least_damping) {
-            return true;
-        }
-        let mut shift = SHIFT_RISE * self.least_damping;
-        while !self.system.factorise(shift) {
-            shift *= SHIFT_RISE;
-        }
-        let weight_mm2 = self.system.weight_mm2.clone();
-        let system = &mut self.system;
-        let solve = |right: &mut [Vec3]| system.solve_unsymmetric(positions, right, EIGEN_TOLERANCE);
-        let start = (0..weight_mm2.len()).map(pseudo_random).collect();
-        stability::least_real_part(solve, &weight_mm2, shift, start) > 0.0
-    }
-
-    /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in
-    /// which the tangent is most negative. False where there is no such direction.
-    fn escape(&mut self, positions: &mut Vec<Vec3>) -> bool {
-        if self.is_stable(positions) {
-            return false;
-        }
-        let mut direction: Vec<Vec3> = (0..self.system.free.len()).map(pseudo_random).collect();
-        for _ in 0..INVERSE_ITERATIONS {
-            self.system.solve(&mut direction);
-            let longest = direction.iter().map(|x| x.norm()).fold(0.0, f64::max);
-            direction.iter_mut().for_each(|x| *x /= longest);
-        }
-        if self.system.curvature(&direction, &mut self.right) >= 0.0 {
-            return false;
-        }
-        let merit = Merit::new(self.model, positions);
-        let ways = [1.0, -1.0].map(|way| self.pushed(positions, &direction, way, &merit));
-        let [(there, end_there), (back, end_back)] = ways;
-        *positions = if there <= back { end_there } else { end_back };
-        self.evaluate(positions);
-        true
-    }
-
-    /// Where a push along a direction leads, and the merit there.
-    fn pushed(
-        &mut self,
-        positions: &[Vec3],
-        direction: &[Vec3],
-        way: f64,
-        merit: &Merit,
-    ) -> (f64, Vec<Vec3>) {
-        let push = way * ESCAPE_STEP * self.step_limit_mm;
-        self.step.fill(Vec3::zeros());
-        for (&vertex, value) in self.system.free.iter().zip(direction) {
-            self.step[vertex as usize] = value * push;
-        }
-        self.bound_step(positions);
-        let mut end = positions.to_vec();
-        advance(&mut end, &self.step, 1.0);
-        (merit.value(self.model, &self.near, &end), end)
-    }
 }
 
 fn place<'a>(model: &'a Model, surface: &'a Surface, positions: &'a [Vec3]) -> Place<'a> {
@@ -424,17 +351,7 @@ fn place<'a>(model: &'a Model, surface: &'a Surface, positions: &'a [Vec3]) -> P
     }
 }
 
-/// A fixed vector without any symmetry that could hide a direction.
-fn pseudo_random(index: usize) -> Vec3 {
-    let x = index as f64;
-    Vec3::new(
-        (12.9898 * x + 1.0).sin(),
-        (78.233 * x + 2.0).sin(),
-        (37.719 * x + 3.0).sin(),
-    )
-}
-
-fn advance(positions: &mut [Vec3], step: &[Vec3], fraction: f64) {
+pub(super) fn advance(positions: &mut [Vec3], step: &[Vec3], fraction: f64) {
     for (position, step) in positions.iter_mut().zip(step) {
         *position += step * fraction;
     }

@@ -1,0 +1,94 @@
+//! Balances of forces that do not last: finding out, and leaving them.
+
+use super::load::Merit;
+use super::newton::{Newton, advance};
+use super::stability;
+use crate::Vec3;
+use crate::energy::Curvature;
+
+/// Relative residual of the solutions that eigenvalues are found from [1].
+const EIGEN_TOLERANCE: f64 = 1e-5;
+/// Shifts that make the tangent definite are sought in steps of this factor [1].
+const SHIFT_RISE: f64 = 2.0;
+/// How far it then pushes, as a part of the longest step [1].
+const ESCAPE_STEP: f64 = 0.25;
+/// Inverse iterations that find the direction; a rough one will do.
+const INVERSE_ITERATIONS: u32 = 8;
+
+impl Newton<'_> {
+    /// Whether the valve stays where it is when pushed a little; see [`super::stability`]. The tangent is left
+    /// factorised with the least damping that makes its symmetric part positive definite.
+    pub(super) fn is_stable(&mut self, positions: &[Vec3]) -> bool {
+        if self.system.free.is_empty() {
+            return true;
+        }
+        self.system
+            .assemble(&self.near, positions, Curvature::Exact, None);
+        // Slack chord nodes have no stiffness at all: the least damping, far below any tissue's, keeps them from
+        // counting.
+        if self.system.factorise(self.least_damping) {
+            return true;
+        }
+        let mut shift = SHIFT_RISE * self.least_damping;
+        while !self.system.factorise(shift) {
+            shift *= SHIFT_RISE;
+        }
+        let weight_mm2 = self.system.weight_mm2.clone();
+        let system = &mut self.system;
+        let solve = |right: &mut [Vec3]| system.solve_unsymmetric(positions, right, EIGEN_TOLERANCE);
+        let start = (0..weight_mm2.len()).map(pseudo_random).collect();
+        stability::least_real_part(solve, &weight_mm2, shift, start) > 0.0
+    }
+
+    /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in
+    /// which the tangent is most negative. False where there is no such direction.
+    pub(super) fn escape(&mut self, positions: &mut Vec<Vec3>) -> bool {
+        if self.is_stable(positions) {
+            return false;
+        }
+        let mut direction: Vec<Vec3> = (0..self.system.free.len()).map(pseudo_random).collect();
+        for _ in 0..INVERSE_ITERATIONS {
+            self.system.solve(&mut direction);
+            let longest = direction.iter().map(|x| x.norm()).fold(0.0, f64::max);
+            direction.iter_mut().for_each(|x| *x /= longest);
+        }
+        if self.system.curvature(&direction, &mut self.right) >= 0.0 {
+            return false;
+        }
+        let merit = Merit::new(self.model, positions);
+        let ways = [1.0, -1.0].map(|way| self.pushed(positions, &direction, way, &merit));
+        let [(there, end_there), (back, end_back)] = ways;
+        *positions = if there <= back { end_there } else { end_back };
+        self.evaluate(positions);
+        true
+    }
+
+    /// Where a push along a direction leads, and the merit there.
+    fn pushed(
+        &mut self,
+        positions: &[Vec3],
+        direction: &[Vec3],
+        way: f64,
+        merit: &Merit,
+    ) -> (f64, Vec<Vec3>) {
+        let push = way * ESCAPE_STEP * self.step_limit_mm;
+        self.step.fill(Vec3::zeros());
+        for (&vertex, value) in self.system.free.iter().zip(direction) {
+            self.step[vertex as usize] = value * push;
+        }
+        self.bound_step(positions);
+        let mut end = positions.to_vec();
+        advance(&mut end, &self.step, 1.0);
+        (merit.value(self.model, &self.near, &end), end)
+    }
+}
+
+/// A fixed vector without any symmetry that could hide a direction.
+fn pseudo_random(index: usize) -> Vec3 {
+    let x = index as f64;
+    Vec3::new(
+        (12.9898 * x + 1.0).sin(),
+        (78.233 * x + 2.0).sin(),
+        (37.719 * x + 3.0).sin(),
+    )
+}
