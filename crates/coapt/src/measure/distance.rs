@@ -1,13 +1,10 @@
-//! Distances from a point to a segment and to a triangle. To give way to the exact ones of [`crate::contact`].
+//! Distances from a point to a segment, a triangle and a box.
 
 use crate::Vec3;
+use crate::contact::nearest;
 
 /// Distance from a point to a segment; a segment of no length is a point.
-pub(super) fn point_segment(p: Vec3, segment: [Vec3; 2]) -> f64 {
-    point_segment_squared(p, segment).sqrt()
-}
-
-fn point_segment_squared(p: Vec3, [a, b]: [Vec3; 2]) -> f64 {
+pub(super) fn point_segment(p: Vec3, [a, b]: [Vec3; 2]) -> f64 {
     let along = b - a;
     let squared = along.norm_squared();
     let t = if squared > 0.0 {
@@ -15,24 +12,12 @@ fn point_segment_squared(p: Vec3, [a, b]: [Vec3; 2]) -> f64 {
     } else {
         0.0
     };
-    (p - (a + along * t)).norm_squared()
+    (p - (a + along * t)).norm()
 }
 
 /// Distance from a point to a triangle; one of no area is its edges.
 pub(super) fn point_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let normal = ab.cross(&ac);
-    let squared = normal.norm_squared();
-    if squared > 0.0 {
-        // Barycentric coordinates of the foot of the perpendicular.
-        let v = ap.cross(&ac).dot(&normal);
-        let w = ab.cross(&ap).dot(&normal);
-        if v >= 0.0 && w >= 0.0 && v + w <= squared {
-            return ap.dot(&normal).abs() / squared.sqrt();
-        }
-    }
-    let edges = [[a, b], [b, c], [c, a]].map(|edge| point_segment_squared(p, edge));
-    edges[0].min(edges[1]).min(edges[2]).sqrt()
+    nearest::point_triangle(&p, &a, &b, &c).separation_mm.norm()
 }
 
 /// Distance from a point to the bounding box of a triangle: never more than to the triangle.
