@@ -1,12 +1,9 @@
-//! Finding what may touch: `contact/broad` (sweep and prune alone), `contact/narrow` (closest points of the pairs that
+//! Finding what may touch: `contact/broad` (sweep and prune of the edges alone), `contact/narrow` (closest points of the pairs that
 //! may touch), `contact/pairs` (both on all candidates, and the list of near pairs) and `contact/gather` (what of a list
 //! that still holds may touch), at the closed valve, where most is near.
-//!
-//! In `contact/broad` the sweep meets boxes that are sorted already, the best case; in `contact/pairs` boxes that it has
-//! not seen before.
 
 use coapt::Vec3;
-use coapt::contact::broad::SweepAndPrune;
+use coapt::contact::broad::{Box3, SweepAndPrune};
 use coapt::contact::gather::PairList;
 use coapt::contact::pairs::Place;
 use coapt_benches::{Scenery, closed_scenery, closed_sizes, label, place};
@@ -20,13 +17,11 @@ fn bench_broad(criterion: &mut Criterion) {
         let mut sweep = SweepAndPrune::default();
         group.bench_function(BenchmarkId::from_parameter(label(size)), |bencher| {
             // With what the solver's lists allow for when steps have become short.
-            let reach_mm = 1.4 * closed.model.contact.thickness_mm;
-            bencher.iter(|| {
-                let mut count = 0_usize;
-                let positions_mm = &closed.state.positions_mm;
-                sweep.overlapping_faces(&closed.model.faces, positions_mm, reach_mm, |_, _| count += 1);
-                count
-            });
+            let margin_mm = 0.7 * closed.model.contact.thickness_mm;
+            let at = |vertex: u32| closed.state.positions_mm[vertex as usize];
+            let edges = closed.surface.edges.iter();
+            let boxes: Vec<Box3> = edges.map(|edge| Box3::around(edge.map(at), margin_mm)).collect();
+            bencher.iter(|| sweep.among(&boxes).len());
         });
     }
 }

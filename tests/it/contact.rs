@@ -2,7 +2,7 @@
 //! rounding would decide.
 
 use coapt::Vec3;
-use coapt::contact::broad::SweepAndPrune;
+use coapt::contact::broad::{Box3, SweepAndPrune};
 use coapt::contact::crossing::crossings;
 use coapt::contact::gather::PairList;
 use coapt::contact::nearest::{Nearest, edge_edge, point_triangle, triangle_parameters};
@@ -31,47 +31,67 @@ fn scattered_triangles(count: u32, size: f64, random: &mut Random) -> (Vec<[u32;
     (faces, positions)
 }
 
-fn boxes_overlap(one: [u32; 3], other: [u32; 3], positions: &[Vec3], reach: f64) -> bool {
-    (0..3).all(|axis| {
-        let span = |face: [u32; 3]| {
-            let values = face.map(|vertex| positions[vertex as usize][axis]);
-            let low = values.into_iter().fold(f64::INFINITY, f64::min);
-            (low, values.into_iter().fold(f64::NEG_INFINITY, f64::max))
-        };
-        let ((a, b), (c, d)) = (span(one), span(other));
-        a - 0.5 * reach <= d + 0.5 * reach && c - 0.5 * reach <= b + 0.5 * reach
-    })
+fn overlap(one: &Box3, other: &Box3) -> bool {
+    (0..3).all(|axis| one.low[axis] <= other.high[axis] && other.low[axis] <= one.high[axis])
 }
 
+/// Two boxes that overlap are told of once; of others only those that come to it when each grows by what single precision
+/// rounds off a scene some 3 wide, 2⁻²³ of it twice.
 #[test]
 fn sweep_and_prune_finds_what_brute_force_finds_on_a_million_pairs_and_more() {
     let mut random = Random(11);
     let mut compared = 0_u64;
-    for (count, size) in [(600, 0.02), (600, 0.1), (400, 0.6)] {
-        let (faces, mut positions) = scattered_triangles(count, size, &mut random);
-        // One sweep object through a motion: its sorted order must survive being reused.
+    for (count, size, margin) in [
+        (800, 0.02, 0.0),
+        (800, 0.02, 0.1),
+        (800, 0.1, 0.05),
+        (800, 0.6, 0.0),
+        (1, 1.0, 0.0),
+    ] {
+        let (faces, positions) = scattered_triangles(count, size, &mut random);
+        let boxes = |margin: f64| -> Vec<Box3> {
+            let corners = faces
+                .iter()
+                .map(|face| face.map(|vertex| positions[vertex as usize]));
+            corners.map(|corners| Box3::around(corners, margin)).collect()
+        };
+        let (exact, rounded) = (boxes(margin), boxes(margin + 1e-6));
         let mut sweep = SweepAndPrune::default();
-        for step in 0..4 {
-            let reach = 0.05 * f64::from(step);
-            let mut found = BTreeSet::new();
-            sweep.overlapping_faces(&faces, &positions, reach, |f, g| {
-                assert!(found.insert((f.min(g), f.max(g))), "each pair once");
-            });
-            for f in 0..count {
-                for g in f + 1..count {
-                    let expected = boxes_overlap(faces[f as usize], faces[g as usize], &positions, reach);
-                    assert_eq!(
-                        found.contains(&(f, g)),
-                        expected,
-                        "faces {f} and {g}, reach {reach}"
-                    );
-                    compared += 1;
+        let compare = |found: &BTreeSet<[u32; 2]>, i: usize, j: usize| {
+            let is_found = found.contains(&[i as u32, j as u32]);
+            assert!(is_found || !overlap(&exact[i], &exact[j]), "{i} and {j} missed");
+            assert!(
+                !is_found || overlap(&rounded[i], &rounded[j]),
+                "{i} and {j} far apart"
+            );
+        };
+        // Among all, and between the first third and the rest, as seen from either.
+        let count = exact.len();
+        let among = each_once(sweep.among(&exact).iter().map(|&[i, j]| [i.min(j), i.max(j)]));
+        let third = count / 3;
+        let (ones, others) = exact.split_at(third);
+        let shifted = |&[i, j]: &[u32; 2]| [i, j + third as u32];
+        let between = each_once(sweep.between(ones, others).iter().map(shifted));
+        for i in 0..count {
+            for j in i + 1..count {
+                compare(&among, i, j);
+                if i < third && j >= third {
+                    compare(&between, i, j);
                 }
+                compared += 1;
             }
-            positions.iter_mut().for_each(|x| *x += random.vector() * 0.1);
         }
+        let back = sweep.between(others, ones).iter().map(|&[j, i]| shifted(&[i, j]));
+        assert_eq!(each_once(back), between);
     }
     assert!(compared > 1_000_000, "{compared}");
+}
+
+fn each_once(pairs: impl ExactSizeIterator<Item = [u32; 2]>) -> BTreeSet<[u32; 2]> {
+    let count = pairs.len();
+    let set: BTreeSet<[u32; 2]> = pairs.collect();
+    assert_eq!(set.len(), count, "each pair once");
+    set
 }
 
 #[test]

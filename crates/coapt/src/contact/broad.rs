@@ -1,165 +1,288 @@
-//! Sweep and prune over the boxes of triangles.
+//! Sweep and prune over boxes.
 //!
-//! The boxes are kept in the order of their lower ends along one axis. Between two calls that order hardly
-//! changes, so an insertion sort restores it in about linear time. The boxes are then dealt out to strips along a
-//! second axis and each strip is swept alone, over boxes that lie one after another in memory: the cost stays nearly
-//! linear in the number of faces.
+//! Boxes are sorted by their lower ends along the longest axis of the scene, dealt out to strips along the second longest,
+//! and each strip is swept alone: the cost stays nearly linear in their number. Bounds are single precision, rounded
+//! outwards, eight to an instruction; a box that meets another by less than that rounding may be told of too.
 
 use crate::Vec3;
+use crate::simd::{Kernel, dispatch};
 
-/// The sorted boxes, kept from call to call.
-#[derive(Clone, Debug, Default)]
-pub struct SweepAndPrune {
-    axes: [usize; 3],
-    order: Vec<u32>,
-    boxes: Vec<FaceBox>,
-    strips: Vec<Vec<FaceBox>>,
+/// An axis-aligned box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Box3 {
+    /// Its lower ends [mm].
+    pub low: Vec3,
+    /// Its upper ends [mm].
+    pub high: Vec3,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct FaceBox {
-    low: [f64; 3],
-    high: [f64; 3],
-    face: u32,
+impl Box3 {
+    /// The least box around some points, of which there must be one, grown by a margin [mm].
+    #[inline]
+    pub fn around<const COUNT: usize>(points: [Vec3; COUNT], margin_mm: f64) -> Self {
+        let margin = Vec3::repeat(margin_mm);
+        let (mut low, mut high) = (points[0], points[0]);
+        for point in &points[1..] {
+            (low, high) = (low.inf(point), high.sup(point));
+        }
+        Self {
+            low: low - margin,
+            high: high + margin,
+        }
+    }
+}
+
+/// Finds boxes that overlap; keeps its room from call to call.
+#[derive(Clone, Debug, Default)]
+pub struct SweepAndPrune {
+    keys: Vec<u64>,
+    ones: Vec<Strip>,
+    others: Vec<Strip>,
+    found: Vec<[u32; 2]>,
 }
 
 /// Width of a strip in mean box widths [1]. Boxes on a seam lie in two strips: at 1 every second box does, beyond 4
 /// the sweep meets too many boxes that are far off; between, the time hardly changes.
 const STRIP_WIDTH: f64 = 2.0;
+/// Boxes that are tested at once: an AVX register of single-precision numbers.
+const LANES: usize = 8;
 
 impl SweepAndPrune {
-    /// Calls `visit(f, g)` for every two faces whose boxes, each grown by half of `reach_mm`, overlap: every
-    /// pair of faces within `reach_mm` of each other is among them, each once, in a fixed order.
-    pub fn overlapping_faces(
-        &mut self,
-        faces: &[[u32; 3]],
-        positions_mm: &[Vec3],
-        reach_mm: f64,
-        visit: impl FnMut(u32, u32),
-    ) {
-        self.grown_overlaps(faces, positions_mm, |_| 0.5 * reach_mm, visit);
+    /// Every two of some boxes that overlap, each two once, in an order that the boxes alone decide.
+    pub fn among(&mut self, boxes: &[Box3]) -> &[[u32; 2]] {
+        let frame = Frame::new(boxes, &[]);
+        frame.deal_out(boxes, &mut self.keys, &mut self.ones);
+        self.found.clear();
+        dispatch(Among {
+            strips: &self.ones[..frame.count],
+            found: &mut self.found,
+        });
+        &self.found
     }
 
-    /// The same for boxes that are each grown by a margin of their own.
-    pub fn grown_overlaps(
-        &mut self,
-        faces: &[[u32; 3]],
-        positions_mm: &[Vec3],
-        margin_mm: impl Fn(u32) -> f64,
-        mut visit: impl FnMut(u32, u32),
-    ) {
-        self.sort(faces, positions_mm, margin_mm);
-        let (start, width, count) = self.deal_out();
-        let [along, across, third] = self.axes;
-        for (number, strip) in self.strips[..count].iter().enumerate() {
-            for (index, lower) in strip.iter().enumerate() {
-                let end = lower.high[along];
-                for upper in strip[index + 1..]
-                    .iter()
-                    .take_while(|upper| upper.low[along] <= end)
-                {
-                    if lower.low[across] <= upper.high[across]
-                        && upper.low[across] <= lower.high[across]
-                        && lower.low[third] <= upper.high[third]
-                        && upper.low[third] <= lower.high[third]
-                        // Two boxes may share two strips: the one where their overlap begins tells of them.
-                        && strip_of(lower.low[across].max(upper.low[across]), start, width, count) == number
-                    {
-                        visit(lower.face, upper.face);
-                    }
-                }
-            }
-        }
+    /// Every box of one kind that overlaps one of another kind: one, other.
+    pub fn between(&mut self, ones: &[Box3], others: &[Box3]) -> &[[u32; 2]] {
+        let frame = Frame::new(ones, others);
+        frame.deal_out(ones, &mut self.keys, &mut self.ones);
+        frame.deal_out(others, &mut self.keys, &mut self.others);
+        self.found.clear();
+        dispatch(Between {
+            ones: &self.ones[..frame.count],
+            others: &self.others[..frame.count],
+            found: &mut self.found,
+        });
+        &self.found
     }
+}
 
-    /// Puts each box into every strip that it reaches; returns where the first strip starts, their width and number.
-    fn deal_out(&mut self) -> (f64, f64, usize) {
-        let across = self.axes[1];
-        let (mut low, mut high, mut sum) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-        for face_box in &self.boxes {
-            low = low.min(face_box.low[across]);
-            high = high.max(face_box.high[across]);
-            sum += face_box.high[across] - face_box.low[across];
+/// Where the boxes are, and how they are divided.
+struct Frame {
+    origin: Vec3,
+    /// Along which boxes are sorted, across which strips lie side by side, and the third.
+    axes: [usize; 3],
+    strip_width: f32,
+    count: usize,
+}
+
+impl Frame {
+    fn new(ones: &[Box3], others: &[Box3]) -> Self {
+        let infinite = Vec3::repeat(f64::INFINITY);
+        let (mut low, mut high, mut width) = (infinite, -infinite, Vec3::zeros());
+        for one in ones.iter().chain(others) {
+            low = low.inf(&one.low);
+            high = high.sup(&one.high);
+            width += one.high - one.low;
         }
-        let width = STRIP_WIDTH * sum / self.boxes.len().max(1) as f64;
-        let wanted = (high - low) / width;
+        let number = ones.len() + others.len();
+        let length = high - low;
+        let mut axes = [0, 1, 2];
+        axes.sort_by(|&a, &b| length[b].total_cmp(&length[a]));
+        let across = axes[1];
+        let wanted = length[across] * number as f64 / (STRIP_WIDTH * width[across]);
         // Never more strips than boxes, and one where there is nothing to divide by.
         let count = if wanted >= 1.0 {
-            (wanted as usize).min(self.boxes.len())
+            (wanted as usize).min(number)
         } else {
             1
         };
-        let width = (high - low) / count as f64;
-        self.strips.iter_mut().for_each(Vec::clear);
-        self.strips.resize(self.strips.len().max(count), Vec::new());
-        for face_box in &self.boxes {
-            let first = strip_of(face_box.low[across], low, width, count);
-            let last = strip_of(face_box.high[across], low, width, count);
-            self.strips[first..=last]
-                .iter_mut()
-                .for_each(|strip| strip.push(*face_box));
+        Self {
+            origin: low,
+            axes,
+            strip_width: (length[across] / count as f64) as f32,
+            count,
         }
-        (low, width, count)
     }
 
-    fn sort(&mut self, faces: &[[u32; 3]], positions_mm: &[Vec3], margin_mm: impl Fn(u32) -> f64) {
-        if self.order.len() != faces.len() {
-            self.axes = axes_by_length(positions_mm);
-            self.order = (0..faces.len() as u32).collect();
-            let along = self.axes[0];
-            let low = |&face: &u32| face_box(faces, positions_mm, face, 0.0).low[along];
-            self.order.sort_by(|a, b| low(a).total_cmp(&low(b)));
+    fn strip_of(&self, across: f32) -> usize {
+        // A cast saturates: below the first strip is the first.
+        ((across / self.strip_width) as usize).min(self.count - 1)
+    }
+
+    /// Sorts boxes and puts each into every strip that it reaches.
+    fn deal_out(&self, boxes: &[Box3], keys: &mut Vec<u64>, strips: &mut Vec<Strip>) {
+        strips.resize_with(strips.len().max(self.count), Strip::default);
+        strips[..self.count].iter_mut().for_each(Strip::clear);
+        let along = self.axes[0];
+        keys.clear();
+        keys.extend(boxes.iter().enumerate().map(|(index, one)| {
+            let low = below(one.low[along] - self.origin[along]);
+            u64::from(ascending_bits(low)) << 32 | index as u64
+        }));
+        keys.sort_unstable();
+        for key in keys.iter() {
+            let index = *key as u32;
+            let Box3 { low, high } = &boxes[index as usize];
+            let low = self.axes.map(|k| below(low[k] - self.origin[k]));
+            let high = self.axes.map(|k| above(high[k] - self.origin[k]));
+            let (first, last) = (self.strip_of(low[1]), self.strip_of(high[1]));
+            strips[first].push(index, low, high);
+            for strip in &mut strips[first + 1..=last] {
+                strip.push(index, [low[0], BEGUN_BEFORE, low[2]], high);
+            }
         }
-        let boxes = self
-            .order
-            .iter()
-            .map(|&face| face_box(faces, positions_mm, face, margin_mm(face)));
-        self.boxes.clear();
-        self.boxes.extend(boxes);
-        insertion_sort(&mut self.boxes, self.axes[0]);
-        for (slot, face_box) in self.order.iter_mut().zip(&self.boxes) {
-            *slot = face_box.face;
+        strips[..self.count].iter_mut().for_each(Strip::pad);
+    }
+}
+
+/// A number rounded down, to one that is less.
+fn below(value: f64) -> f32 {
+    (value as f32).next_down()
+}
+
+fn above(value: f64) -> f32 {
+    (value as f32).next_up()
+}
+
+/// An integer that ascends as the number does.
+fn ascending_bits(value: f32) -> u32 {
+    let bits = value.to_bits();
+    bits ^ if value.is_sign_negative() {
+        u32::MAX
+    } else {
+        1 << 31
+    }
+}
+
+/// The lower end, across, of a box that has begun in an earlier strip. Two of those have been told of there.
+const BEGUN_BEFORE: f32 = f32::NEG_INFINITY;
+
+/// The boxes that reach a strip, by ascending lower ends; one array a bound.
+#[derive(Clone, Debug, Default)]
+struct Strip {
+    indices: Vec<u32>,
+    low: [Vec<f32>; 3],
+    high: [Vec<f32>; 3],
+}
+
+impl Strip {
+    fn clear(&mut self) {
+        self.indices.clear();
+        self.low.iter_mut().chain(&mut self.high).for_each(Vec::clear);
+    }
+
+    fn push(&mut self, index: u32, low: [f32; 3], high: [f32; 3]) {
+        self.indices.push(index);
+        for axis in 0..3 {
+            self.low[axis].push(low[axis]);
+            self.high[axis].push(high[axis]);
+        }
+    }
+
+    /// Adds boxes that nothing meets, so that the last ones may be tested with others.
+    fn pad(&mut self) {
+        let bounds = self.low.iter_mut().chain(&mut self.high);
+        bounds.for_each(|bound| bound.extend([f32::INFINITY; LANES]));
+    }
+
+    /// Tells which of the boxes from a place on begin, along, before a box of another strip ends there and overlap it
+    /// otherwise; those boxes must not begin before it.
+    #[inline(always)]
+    fn scan(&self, from: usize, strip: &Self, one: usize, mut tell: impl FnMut(u32, u32)) {
+        let [_, low_across, low_third] = strip.low.each_ref().map(|low| low[one]);
+        let [end, high_across, high_third] = strip.high.each_ref().map(|high| high[one]);
+        // What has begun before may meet only what has not.
+        let least = if low_across == BEGUN_BEFORE {
+            f32::MIN
+        } else {
+            BEGUN_BEFORE
+        };
+        let mut place = from;
+        while self.low[0][place] <= end {
+            let lanes = |bound: &[f32]| {
+                let mut lanes = [0.0; LANES];
+                lanes.copy_from_slice(&bound[place..place + LANES]);
+                lanes
+            };
+            let (begins, across, third) = (lanes(&self.low[0]), lanes(&self.low[1]), lanes(&self.low[2]));
+            let (ends_across, ends_third) = (lanes(&self.high[1]), lanes(&self.high[2]));
+            let mut overlaps = [0_u32; LANES];
+            for (lane, overlaps) in overlaps.iter_mut().enumerate() {
+                *overlaps = u32::from(
+                    (begins[lane] <= end)
+                        & (across[lane] <= high_across)
+                        & (across[lane] >= least)
+                        & (ends_across[lane] >= low_across)
+                        & (third[lane] <= high_third)
+                        & (ends_third[lane] >= low_third),
+                );
+            }
+            if overlaps != [0; LANES] {
+                for (other, overlaps) in (place..).zip(overlaps) {
+                    if overlaps != 0 {
+                        tell(strip.indices[one], self.indices[other]);
+                    }
+                }
+            }
+            place += LANES;
         }
     }
 }
 
-fn insertion_sort(boxes: &mut [FaceBox], axis: usize) {
-    for index in 1..boxes.len() {
-        let moving = boxes[index];
-        let mut slot = index;
-        while slot > 0 && boxes[slot - 1].low[axis] > moving.low[axis] {
-            boxes[slot] = boxes[slot - 1];
-            slot -= 1;
+struct Among<'a> {
+    strips: &'a [Strip],
+    found: &'a mut Vec<[u32; 2]>,
+}
+
+impl Kernel for Among<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        for strip in self.strips {
+            for one in 0..strip.indices.len() {
+                strip.scan(one + 1, strip, one, |one, other| self.found.push([one, other]));
+            }
         }
-        boxes[slot] = moving;
     }
 }
 
-fn face_box(faces: &[[u32; 3]], positions_mm: &[Vec3], face: u32, margin_mm: f64) -> FaceBox {
-    let [a, b, c] = faces[face as usize].map(|vertex| positions_mm[vertex as usize]);
-    let (low, high) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
-    FaceBox {
-        low: std::array::from_fn(|k| low[k] - margin_mm),
-        high: std::array::from_fn(|k| high[k] + margin_mm),
-        face,
+struct Between<'a> {
+    ones: &'a [Strip],
+    others: &'a [Strip],
+    found: &'a mut Vec<[u32; 2]>,
+}
+
+impl Kernel for Between<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        for (ones, others) in self.ones.iter().zip(self.others) {
+            // Of two boxes that overlap, either the other begins with the one or later, or the one after the other.
+            let mut from = 0;
+            for one in 0..ones.indices.len() {
+                while others.low[0][from] < ones.low[0][one] {
+                    from += 1;
+                }
+                others.scan(from, ones, one, |one, other| self.found.push([one, other]));
+            }
+            let mut from = 0;
+            for other in 0..others.indices.len() {
+                while ones.low[0][from] <= others.low[0][other] {
+                    from += 1;
+                }
+                ones.scan(from, others, other, |other, one| self.found.push([one, other]));
+            }
+        }
     }
-}
-
-fn strip_of(value: f64, start: f64, width: f64, count: usize) -> usize {
-    // A cast saturates: below the first strip is the first.
-    (((value - start) / width) as usize).min(count - 1)
-}
-
-/// The axes, the one along which the points extend farthest first.
-fn axes_by_length(positions_mm: &[Vec3]) -> [usize; 3] {
-    let low = positions_mm
-        .iter()
-        .fold(Vec3::repeat(f64::INFINITY), |low, point| low.inf(point));
-    let high = positions_mm
-        .iter()
-        .fold(Vec3::repeat(f64::NEG_INFINITY), |high, point| high.sup(point));
-    let length = high - low;
-    let mut axes = [0, 1, 2];
-    axes.sort_by(|&a, &b| length[b].total_cmp(&length[a]));
-    axes
 }

@@ -1,7 +1,7 @@
 //! The exact test whether mid-surfaces cross.
 
-use super::broad::SweepAndPrune;
-use super::surface::{Surface, sides};
+use super::broad::{Box3, SweepAndPrune};
+use super::surface::Surface;
 use crate::Vec3;
 use robust::{Coord3D, orient3d};
 
@@ -17,21 +17,23 @@ pub struct Crossing {
 /// All crossings, in ascending order. Two triangles cross if and only if an edge of one passes through the
 /// other, so an empty list means that no two faces cross. A touch counts as a crossing.
 pub fn crossings(surface: &Surface, positions_mm: &[Vec3]) -> Vec<Crossing> {
-    let mut found = Vec::new();
-    let faces = &surface.faces;
-    SweepAndPrune::default().overlapping_faces(faces, positions_mm, 0.0, |f, g| {
-        for (face, other) in [(f, g), (g, f)] {
-            for edge in sides(&faces[other as usize]) {
-                if !edge.iter().any(|vertex| faces[face as usize].contains(vertex))
-                    && edge_meets_face(edge, faces[face as usize], positions_mm)
-                {
-                    found.push(Crossing { edge, face });
-                }
-            }
-        }
-    });
+    let at = |vertex: u32| positions_mm[vertex as usize];
+    let Surface { faces, edges, .. } = surface;
+    let edge_boxes: Vec<Box3> = edges.iter().map(|edge| Box3::around(edge.map(at), 0.0)).collect();
+    let face_boxes: Vec<Box3> = faces.iter().map(|face| Box3::around(face.map(at), 0.0)).collect();
+    let mut sweep = SweepAndPrune::default();
+    let near = sweep.between(&edge_boxes, &face_boxes).iter();
+    let mut found: Vec<Crossing> = near
+        .map(|&[edge, face]| Crossing {
+            edge: edges[edge as usize],
+            face,
+        })
+        .filter(|&Crossing { edge, face }| {
+            let face = faces[face as usize];
+            !edge.iter().any(|vertex| face.contains(vertex)) && edge_meets_face(edge, face, positions_mm)
+        })
+        .collect();
     found.sort_unstable();
-    found.dedup();
     found
 }
 

@@ -1,10 +1,11 @@
 //! Contact between mid-surfaces: what may touch, how near it is, and the penalty that keeps it apart.
 //!
 //! * [`surface`]: the triangles that can touch, with their edges, constant while relaxing.
-//! * [`broad`]: sweep and prune over triangle boxes, kept sorted from call to call.
+//! * [`broad`]: sweep and prune over boxes.
 //! * [`nearest`]: closest points of point-triangle and edge-edge pairs.
 //! * [`pairs`]: two parts and where they begin to touch.
-//! * [`gather`]: which pairs may touch during a step, kept from step to step.
+//! * [`gather`]: which pairs may touch during a step.
+//! * `listing`: a list of pairs that holds for more than one step.
 //! * [`penalty`]: energy, gradient and Hessian of the near pairs.
 //! * [`step_bound`]: how far each vertex may move so that nothing passes through anything.
 //! * [`crossing`]: the exact test whether two faces cross.
@@ -17,6 +18,7 @@
 pub mod broad;
 pub mod crossing;
 pub mod gather;
+mod listing;
 pub mod nearest;
 pub mod pairs;
 pub mod penalty;

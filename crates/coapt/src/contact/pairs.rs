@@ -40,7 +40,7 @@ impl Pair {
     /// The closest points of the pair.
     #[inline]
     pub fn nearest(&self, positions_mm: &[Vec3]) -> Nearest {
-        nearest_of(self.kind, &corners(&self.vertices, positions_mm))
+        nearest_at(self.kind, &self.vertices, positions_mm)
     }
 
     /// How the weights of its closest points change as these slide.
@@ -52,12 +52,29 @@ impl Pair {
     }
 }
 
+/// The closest points of two parts.
 #[inline]
-pub(super) fn nearest_of(kind: PairKind, corners: &[Vec3; 4]) -> Nearest {
-    let [a, b, c, d] = corners;
+pub(super) fn nearest_at(kind: PairKind, vertices: &[u32; 4], positions_mm: &[Vec3]) -> Nearest {
+    let [a, b, c, d] = vertices.map(|vertex| &positions_mm[vertex as usize]);
     match kind {
         PairKind::PointTriangle => point_triangle(a, b, c, d),
         PairKind::EdgeEdge => edge_edge(a, b, c, d),
+    }
+}
+
+/// The square of how much nearer two parts come by these motions, at most [mm²].
+///
+/// Closest points are averages of their part's vertices: the largest difference between the motions of a vertex of one
+/// part and one of the other.
+#[inline]
+pub(super) fn approach_squared_mm2(kind: PairKind, vertices: &[u32; 4], motion_mm: &[Vec3]) -> f64 {
+    let m = vertices.map(|vertex| &motion_mm[vertex as usize]);
+    let against = |i: usize, j: usize| (m[i] - m[j]).norm_squared();
+    match kind {
+        PairKind::PointTriangle => against(0, 1).max(against(0, 2)).max(against(0, 3)),
+        PairKind::EdgeEdge => against(0, 2)
+            .max(against(0, 3))
+            .max(against(1, 2).max(against(1, 3))),
     }
 }
 
@@ -138,7 +155,7 @@ pub(super) fn unseen(kind: PairKind, vertices: [u32; 4], area_mm2: f64) -> Pair 
 /// A pair with what its unloaded shape decides.
 pub(super) fn pair_at_rest(place: &Place, kind: PairKind, vertices: [u32; 4], area_mm2: f64) -> Pair {
     let at_rest = corners(&vertices, place.rest_mm);
-    let rest_distance = nearest_of(kind, &at_rest).separation_mm.norm();
+    let rest_distance = nearest_at(kind, &vertices, place.rest_mm).separation_mm.norm();
     let activation_mm = place
         .longest_of_neighbours_mm()
         .min(NEIGHBOUR_FRACTION * rest_distance);

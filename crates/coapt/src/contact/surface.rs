@@ -18,26 +18,19 @@ pub struct Surface {
     pub mean_edge_mm: f64,
     /// A ball around each face at rest: centre [mm] and radius [mm], shape `[face]`.
     pub rest_balls: Vec<(Vec3, f64)>,
-    /// Faces that share a vertex, each two once.
-    pub neighbours: Vec<Neighbours>,
-    /// The pairs without a common vertex that such faces stand for: kind, vertices, area [mm²].
+    /// Pairs without a common vertex whose faces (the point's, the triangle; the two edges') share one: kind, vertices, area
+    /// [mm²].
     pub neighbour_pairs: Vec<(PairKind, [u32; 4], f64)>,
-    /// Vertices and edges that each face stands for: each belongs to exactly one face, so that pairs of faces yield
-    /// every pair of their parts once. Runs of `owned_vertex_starts` and `owned_edge_starts`, shape `[face + 1]`.
-    owned_vertices: Vec<u32>,
-    owned_vertex_starts: Vec<u32>,
-    owned_edges: Vec<u32>,
-    owned_edge_starts: Vec<u32>,
+    /// The vertices of faces, each once.
+    pub points: Vec<u32>,
+    /// The first face of each vertex, [`NO_FACE`] without one, shape `[vertex]`.
+    pub vertex_face: Vec<u32>,
+    /// The first face of each edge, shape `[edge]`.
+    pub edge_face: Vec<u32>,
 }
 
-/// Two faces that share a vertex.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Neighbours {
-    /// The faces.
-    pub faces: [u32; 2],
-    /// Where their pairs begin and end.
-    pub pairs: [u32; 2],
-}
+/// In place of a face, where there is none.
+pub const NO_FACE: u32 = u32::MAX;
 
 impl Surface {
     /// Prepares a mesh; areas come from the rest positions.
@@ -49,51 +42,36 @@ impl Surface {
             faces: faces.to_vec(),
             vertex_area_mm2: vec![0.0; rest_mm.len()],
             edge_area_mm2: vec![0.0; edges.len()],
+            vertex_face: vec![NO_FACE; rest_mm.len()],
+            edge_face: vec![NO_FACE; edges.len()],
             edges,
-            owned_vertex_starts: vec![0],
-            owned_edge_starts: vec![0],
             ..Self::default()
         };
-        let mut vertex_has_owner = vec![false; rest_mm.len()];
-        let mut edge_has_owner = vec![false; surface.edges.len()];
-        for face in faces {
+        let mut face_edges = Vec::with_capacity(faces.len());
+        for (index, face) in faces.iter().enumerate() {
             let third = face_area_mm2(face, rest_mm) / 3.0;
             for &vertex in face {
                 surface.vertex_area_mm2[vertex as usize] += third;
-                if !std::mem::replace(&mut vertex_has_owner[vertex as usize], true) {
-                    surface.owned_vertices.push(vertex);
+                if surface.vertex_face[vertex as usize] == NO_FACE {
+                    surface.vertex_face[vertex as usize] = index as u32;
+                    surface.points.push(vertex);
                 }
             }
-            for side in sides(face) {
-                let edge = surface.edge_index(side);
+            let edges = sides(face).map(|side| surface.edge_index(side));
+            for edge in edges {
                 surface.edge_area_mm2[edge] += third;
-                if !std::mem::replace(&mut edge_has_owner[edge], true) {
-                    surface.owned_edges.push(edge as u32);
+                if surface.edge_face[edge] == NO_FACE {
+                    surface.edge_face[edge] = index as u32;
                 }
             }
-            surface
-                .owned_vertex_starts
-                .push(surface.owned_vertices.len() as u32);
-            surface.owned_edge_starts.push(surface.owned_edges.len() as u32);
+            face_edges.push(edges);
         }
         let length = |&[a, b]: &[u32; 2]| (rest_mm[a as usize] - rest_mm[b as usize]).norm();
         surface.mean_edge_mm =
             surface.edges.iter().map(length).sum::<f64>() / surface.edges.len().max(1) as f64;
         surface.rest_balls = faces.iter().map(|face| ball(face, rest_mm)).collect();
-        surface.find_neighbours(rest_mm.len());
+        surface.find_neighbours(&face_edges, rest_mm.len());
         surface
-    }
-
-    /// Vertices that a face stands for.
-    #[inline]
-    pub fn owned_vertices(&self, face: u32) -> &[u32] {
-        run(&self.owned_vertices, &self.owned_vertex_starts, face)
-    }
-
-    /// Edges that a face stands for, as indices into `edges`.
-    #[inline]
-    pub fn owned_edges(&self, face: u32) -> &[u32] {
-        run(&self.owned_edges, &self.owned_edge_starts, face)
     }
 
     /// The area that a point stands for against each triangle [mm²].
@@ -107,8 +85,8 @@ impl Surface {
 
     /// The area that two edges stand for [mm²], by the same weights.
     #[inline]
-    pub fn edge_pair_area_mm2(&self, first: u32, second: u32) -> f64 {
-        0.125 * (self.edge_area_mm2[first as usize] + self.edge_area_mm2[second as usize])
+    pub fn edge_pair_area_mm2(&self, first: usize, second: usize) -> f64 {
+        0.125 * (self.edge_area_mm2[first] + self.edge_area_mm2[second])
     }
 
     fn edge_index(&self, side: [u32; 2]) -> usize {
@@ -116,10 +94,9 @@ impl Surface {
         self.edges.binary_search(&side).unwrap_or(0)
     }
 
-    fn find_neighbours(&mut self, vertex_count: usize) {
+    fn find_neighbours(&mut self, face_edges: &[[usize; 3]], vertex_count: usize) {
         let (starts, around) = faces_around_vertices(&self.faces, vertex_count);
-        let (mut neighbours, mut pairs) = (Vec::new(), Vec::new());
-        let mut near = Vec::new();
+        let (mut pairs, mut near) = (Vec::new(), Vec::new());
         for (f, face) in self.faces.iter().enumerate() {
             near.clear();
             for &vertex in face {
@@ -128,41 +105,39 @@ impl Surface {
             near.sort_unstable();
             near.dedup();
             for &g in near.iter().filter(|&&g| g as usize > f) {
-                let start = pairs.len() as u32;
-                self.pairs_of_faces(f as u32, g, &mut pairs);
-                neighbours.push(Neighbours {
-                    faces: [f as u32, g],
-                    pairs: [start, pairs.len() as u32],
-                });
+                self.pairs_of_faces(f as u32, g, face_edges, &mut pairs);
             }
         }
-        neighbours.retain(|neighbours| neighbours.pairs[0] < neighbours.pairs[1]);
-        self.neighbours = neighbours;
         self.neighbour_pairs = pairs;
     }
 
-    fn pairs_of_faces(&self, f: u32, g: u32, found: &mut Vec<(PairKind, [u32; 4], f64)>) {
+    /// Pairs of which one part has the first of two faces for its own, the other the second.
+    fn pairs_of_faces(
+        &self,
+        f: u32,
+        g: u32,
+        face_edges: &[[usize; 3]],
+        found: &mut Vec<(PairKind, [u32; 4], f64)>,
+    ) {
         for (one, other) in [(f, g), (g, f)] {
             let [a, b, c] = self.faces[other as usize];
-            for &vertex in self.owned_vertices(one) {
-                if ![a, b, c].contains(&vertex) {
-                    found.push((
-                        PairKind::PointTriangle,
-                        [vertex, a, b, c],
-                        self.point_area_mm2(vertex),
-                    ));
+            for vertex in self.faces[one as usize] {
+                if self.vertex_face[vertex as usize] == one && ![a, b, c].contains(&vertex) {
+                    let area_mm2 = self.point_area_mm2(vertex);
+                    found.push((PairKind::PointTriangle, [vertex, a, b, c], area_mm2));
                 }
             }
         }
-        for &first in self.owned_edges(f) {
-            for &second in self.owned_edges(g) {
-                let ([a, b], [c, d]) = (self.edges[first as usize], self.edges[second as usize]);
+        let own = |face: u32| {
+            let edges = face_edges[face as usize].into_iter();
+            edges.filter(move |&edge| self.edge_face[edge] == face)
+        };
+        for first in own(f) {
+            for second in own(g) {
+                let ([a, b], [c, d]) = (self.edges[first], self.edges[second]);
                 if a != c && a != d && b != c && b != d {
-                    found.push((
-                        PairKind::EdgeEdge,
-                        [a, b, c, d],
-                        self.edge_pair_area_mm2(first, second),
-                    ));
+                    let area_mm2 = self.edge_pair_area_mm2(first, second);
+                    found.push((PairKind::EdgeEdge, [a, b, c, d], area_mm2));
                 }
             }
         }
