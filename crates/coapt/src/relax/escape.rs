@@ -35,7 +35,8 @@ impl Newton<'_> {
         }
         let weight_mm2 = self.system.weight_mm2.clone();
         let system = &mut self.system;
-        let solve = |right: &mut [Vec3]| system.solve_unsymmetric(positions, right, EIGEN_TOLERANCE);
+        let solve =
+            |right: &mut [Vec3]| system.solve_unsymmetric(positions, system.damping, right, EIGEN_TOLERANCE);
         let start = (0..weight_mm2.len()).map(pseudo_random).collect();
         stability::least_real_part(solve, &weight_mm2, shift, start) > 0.0
     }

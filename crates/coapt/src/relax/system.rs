@@ -205,9 +205,15 @@ impl<'a> System<'a> {
         self.symbolic.solve_in_place(&self.factor, right);
     }
 
-    /// Solves with the true tangent, in place: the factorised symmetric one plus what pressure on the free margin
-    /// adds.
-    pub(super) fn solve_unsymmetric(&mut self, positions: &[Vec3], right: &mut [Vec3], tolerance: f64) {
+    /// Solves with the true tangent and a damping, in place: the symmetric tangent, of which the factor is near, plus what
+    /// pressure on the free margin adds.
+    pub(super) fn solve_unsymmetric(
+        &mut self,
+        positions: &[Vec3],
+        damping: f64,
+        right: &mut [Vec3],
+        tolerance: f64,
+    ) {
         let Self {
             model,
             rim,
@@ -216,7 +222,6 @@ impl<'a> System<'a> {
             matrix,
             symbolic,
             factor,
-            damping,
             krylov,
             direction,
             turned,
@@ -225,7 +230,7 @@ impl<'a> System<'a> {
         let multiply = |vector: &[Vec3], product: &mut [Vec3]| {
             matrix.multiply_into(vector, product);
             for ((product, value), weight) in product.iter_mut().zip(vector).zip(weight_mm2.iter()) {
-                *product += value * (*damping * weight);
+                *product += value * (damping * weight);
             }
             for (&vertex, value) in free.iter().zip(vector) {
                 direction[vertex as usize] = *value;
