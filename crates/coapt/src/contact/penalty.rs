@@ -65,7 +65,7 @@ pub fn add_gradient(pairs: &[Pair], stiffness_mpa: f64, positions_mm: &[Vec3], g
     }
 }
 
-/// Adds the Hessian of the contact energy.
+/// Adds the Hessian of the contact energy. Blocks of vertices that do not share the closest points are zero and left out.
 pub fn add_hessian(
     pairs: &[Pair],
     stiffness_mpa: f64,
@@ -78,12 +78,14 @@ pub fn add_hessian(
         let Some(touch) = active(pair, positions_mm) else {
             continue;
         };
-        match curvature {
+        let moves = match curvature {
             Curvature::Exact => exact_blocks(&touch, stiffness_mpa, &mut blocks),
             Curvature::Projected => projected_blocks(&touch, stiffness_mpa, &mut blocks),
-        }
+        };
         for (block, [i, j]) in blocks.iter().zip(PLACES) {
-            sink.add(pair.vertices[i], pair.vertices[j], block);
+            if moves[i] && moves[j] {
+                sink.add(pair.vertices[i], pair.vertices[j], block);
+            }
         }
     }
 }
@@ -180,6 +182,12 @@ impl Touch<'_> {
         corners(&self.pair.vertices, self.positions_mm)
     }
 
+    /// Which vertices share the closest points.
+    #[inline]
+    fn shares(&self) -> [bool; 4] {
+        self.nearest.weights.map(|weight| weight != 0.0)
+    }
+
     /// [`penalty`] on the area that the pair stands for, without fading: [N·mm], [N], [N/mm].
     #[inline]
     fn penalty(&self, stiffness_mpa: f64) -> [f64; 3] {
@@ -241,7 +249,9 @@ impl Touch<'_> {
 /// ∇²D = wᵢ wⱼ I − Σ_k (wᵢ e_k + u_ki r) (wⱼ e_k + u_kj r)ᵀ / (e_k·e_k)
 /// ∇²d = (∇²D − wᵢ wⱼ n nᵀ) / d
 /// ```
-fn exact_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) {
+///
+/// Returns which vertices count: u is zero where w is, so that only fading moves the others.
+fn exact_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) -> [bool; 4] {
     let penalty = touch.penalty(stiffness_mpa);
     let fade = touch.fade();
     let [_, slope, curvature] = penalty.map(|value| value * share_of(fade.as_ref()));
@@ -270,8 +280,12 @@ fn exact_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) {
             }
         }
     }
-    if let Some(fade) = fade {
-        add_fading(touch, &fade, penalty, blocks);
+    match fade {
+        Some(fade) => {
+            add_fading(touch, &fade, penalty, blocks);
+            [true; 4]
+        }
+        None => touch.shares(),
     }
 }
 
@@ -316,11 +330,12 @@ fn add_fading(touch: &Touch, fade: &Fade, [value, slope, _]: [f64; 3], blocks: &
 }
 
 /// The part that resists approach: m ψ'' ∇d∇dᵀ, never negative.
-fn projected_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) {
+fn projected_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) -> [bool; 4] {
     let [_, _, curvature] = touch.penalty(stiffness_mpa);
     let n = &touch.direction;
     let base = n * n.transpose() * (share_of(touch.fade().as_ref()) * curvature);
     write_blocks(touch, &base, 0.0, [], blocks);
+    touch.shares()
 }
 
 #[cfg(test)]

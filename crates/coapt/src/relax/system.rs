@@ -93,24 +93,38 @@ impl<'a> System<'a> {
         curvature: Curvature,
         mut moved: Option<Moved>,
     ) {
-        if !self.has_places_for(near, positions) {
+        if !self.fill(near, positions, curvature, &mut moved) {
             self.make_pattern(near, positions);
+            // The right-hand side has had its share.
+            self.fill(near, positions, curvature, &mut None);
         }
+        self.analyse();
+    }
+
+    /// False if the pattern lacks a place that contact needs.
+    fn fill(
+        &mut self,
+        near: &[Pair],
+        positions: &[Vec3],
+        curvature: Curvature,
+        moved: &mut Option<Moved>,
+    ) -> bool {
         self.matrix.clear();
         let mut sink = Replay {
             slots: &self.slots,
             free_index: &self.free_index,
             matrix: &mut self.matrix,
-            moved: &mut moved,
+            moved,
         };
         load::add_elastic_tangent(self.model, positions, curvature, &mut sink);
         let mut sink = Search {
             free_index: &self.free_index,
             matrix: &mut self.matrix,
-            moved: &mut moved,
+            moved,
+            lacks_place: false,
         };
         load::add_contact_tangent(self.model, near, positions, curvature, &mut sink);
-        self.analyse();
+        !sink.lacks_place
     }
 
     /// A third of the blocks that contact has room for are zero, closest points being mostly on edges and vertices. In a
@@ -123,16 +137,6 @@ impl<'a> System<'a> {
             self.symbolic = Symbolic::new(&self.matrix);
         }
         self.is_analysed = true;
-    }
-
-    fn has_places_for(&self, near: &[Pair], positions: &[Vec3]) -> bool {
-        near.iter()
-            .filter(|pair| is_nearer(pair, positions, 1.0))
-            .all(|pair| {
-                let index = pair.vertices.map(|vertex| self.free_index[vertex as usize]);
-                let has_place = |place: [u32; 2]| self.matrix.slot(place[0], place[1]).is_some();
-                couplings(pair.kind, index).into_iter().flatten().all(has_place)
-            })
     }
 
     /// Makes a pattern for the pairs that touch or nearly do. That of the last pattern is kept while it is little more
@@ -296,6 +300,7 @@ struct Search<'a, 'b> {
     free_index: &'a [u32],
     matrix: &'a mut BlockMatrix,
     moved: &'a mut Option<Moved<'b>>,
+    lacks_place: bool,
 }
 
 impl BlockSink for Search<'_, '_> {
@@ -303,8 +308,9 @@ impl BlockSink for Search<'_, '_> {
     fn add(&mut self, row: u32, column: u32, block: &Mat3) {
         let index = [self.free_index[row as usize], self.free_index[column as usize]];
         if index[0] != PRESCRIBED && index[1] != PRESCRIBED {
-            if let Some(slot) = self.matrix.slot(index[0], index[1]) {
-                self.matrix.add_at(slot, index[0] < index[1], block);
+            match self.matrix.slot(index[0], index[1]) {
+                Some(slot) => self.matrix.add_at(slot, index[0] < index[1], block),
+                None => self.lacks_place = true,
             }
         } else if let Some(moved) = self.moved {
             moved.take([row, column], index, block);
