@@ -47,6 +47,18 @@ impl BlockMatrix {
         })
     }
 
+    /// Where each block is kept in a matrix whose pattern has all places of this one, shape `[block]`.
+    pub fn slots_in(&self, wider: &Self) -> Vec<u32> {
+        let mut slots = Vec::with_capacity(self.rows.len());
+        for (ends, wide_ends) in self.column_starts.windows(2).zip(wider.column_starts.windows(2)) {
+            let wide = (wide_ends[0]..wide_ends[1]).zip(&wider.rows[wide_ends[0]..wide_ends[1]]);
+            let mut rows = self.rows[ends[0]..ends[1]].iter().peekable();
+            let kept = wide.filter(|(_, row)| rows.next_if_eq(row).is_some());
+            slots.extend(kept.map(|(slot, _)| slot as u32));
+        }
+        slots
+    }
+
     /// Number of block rows.
     pub fn size(&self) -> usize {
         self.column_starts.len() - 1

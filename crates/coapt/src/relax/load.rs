@@ -32,8 +32,18 @@ pub fn add_elastic_tangent(
     curvature: Curvature,
     sink: &mut impl BlockSink,
 ) {
-    bilinear_spring::add_hessian(&model.springs, positions_mm, curvature, sink);
     bending::add_hessian(&model.hinges, sink);
+    add_varying_tangent(model, positions_mm, curvature, sink);
+}
+
+/// As [`add_elastic_tangent`], without bending, which is the same for all positions.
+pub fn add_varying_tangent(
+    model: &Model,
+    positions_mm: &[Vec3],
+    curvature: Curvature,
+    sink: &mut impl BlockSink,
+) {
+    bilinear_spring::add_hessian(&model.springs, positions_mm, curvature, sink);
     chord::add_hessian(&model.chords, positions_mm, curvature, sink);
     if curvature == Curvature::Exact {
         pressure::add_symmetric_tangent(&model.faces, model.pressure_mpa, positions_mm, sink);
