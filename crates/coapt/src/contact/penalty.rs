@@ -1,7 +1,7 @@
-//! Energy, gradient and Hessian of the near pairs.
+//! Energy, gradient and Hessian of the pairs that touch.
 
-use super::nearest::Nearest;
-use super::pairs::{Pair, PairKind, corners};
+use super::pairs::Pair;
+use super::touch::{EDGE_SIGNS, Fade, Slide, Touch};
 use crate::energy::{BlockSink, Curvature};
 use crate::{Mat3, Vec3};
 
@@ -38,27 +38,25 @@ pub fn penalty(distance_mm: f64, activation_mm: f64, rigid_mm: f64, stiffness_mp
 }
 
 /// Contact energy of all pairs [N·mm].
-pub fn energy(pairs: &[Pair], stiffness_mpa: f64, positions_mm: &[Vec3]) -> f64 {
-    let touches = pairs.iter().filter_map(|pair| active(pair, positions_mm));
+pub fn energy(touches: &[Touch], stiffness_mpa: f64, positions_mm: &[Vec3]) -> f64 {
+    let share = |touch: &Touch| share_of(touch.fade(positions_mm).as_ref());
     touches
-        .map(|touch| share_of(touch.fade().as_ref()) * touch.penalty(stiffness_mpa)[0])
+        .iter()
+        .map(|touch| share(touch) * penalty_of(touch, stiffness_mpa)[0])
         .sum()
 }
 
 /// Adds the gradient of the contact energy [N], shape `[vertex]`.
-pub fn add_gradient(pairs: &[Pair], stiffness_mpa: f64, positions_mm: &[Vec3], gradient_n: &mut [Vec3]) {
-    for pair in pairs {
-        let Some(touch) = active(pair, positions_mm) else {
-            continue;
-        };
-        let [value, slope, _] = touch.penalty(stiffness_mpa);
-        let fade = touch.fade();
+pub fn add_gradient(touches: &[Touch], stiffness_mpa: f64, positions_mm: &[Vec3], gradient_n: &mut [Vec3]) {
+    for touch in touches {
+        let [value, slope, _] = penalty_of(touch, stiffness_mpa);
+        let fade = touch.fade(positions_mm);
         let along = touch.direction * (share_of(fade.as_ref()) * slope);
-        for (&vertex, weight) in pair.vertices.iter().zip(touch.nearest.weights) {
+        for (&vertex, weight) in touch.pair.vertices.iter().zip(touch.nearest.weights) {
             gradient_n[vertex as usize] += along * weight;
         }
         if let Some(fade) = fade {
-            for (k, &vertex) in pair.vertices.iter().enumerate() {
+            for (k, &vertex) in touch.pair.vertices.iter().enumerate() {
                 gradient_n[vertex as usize] += fade.gradient(k) * (value * fade.slope);
             }
         }
@@ -67,24 +65,21 @@ pub fn add_gradient(pairs: &[Pair], stiffness_mpa: f64, positions_mm: &[Vec3], g
 
 /// Adds the Hessian of the contact energy. Blocks of vertices that do not share the closest points are zero and left out.
 pub fn add_hessian(
-    pairs: &[Pair],
+    touches: &[Touch],
     stiffness_mpa: f64,
     positions_mm: &[Vec3],
     curvature: Curvature,
     sink: &mut impl BlockSink,
 ) {
     let mut blocks = [Mat3::zeros(); PLACES.len()];
-    for pair in pairs {
-        let Some(touch) = active(pair, positions_mm) else {
-            continue;
-        };
+    for touch in touches {
         let moves = match curvature {
-            Curvature::Exact => exact_blocks(&touch, stiffness_mpa, &mut blocks),
-            Curvature::Projected => projected_blocks(&touch, stiffness_mpa, &mut blocks),
+            Curvature::Exact => exact_blocks(touch, stiffness_mpa, positions_mm, &mut blocks),
+            Curvature::Projected => projected_blocks(touch, stiffness_mpa, positions_mm, &mut blocks),
         };
         for (block, [i, j]) in blocks.iter().zip(PLACES) {
             if moves[i] && moves[j] {
-                sink.add(pair.vertices[i], pair.vertices[j], block);
+                sink.add(touch.pair.vertices[i], touch.pair.vertices[j], block);
             }
         }
     }
@@ -104,45 +99,16 @@ const PLACES: [[usize; 2]; 10] = [
     [3, 3],
 ];
 
-/// A block for each of [`PLACES`].
-type Blocks = [Mat3; PLACES.len()];
-
-/// A pair within its activation distance.
-struct Touch<'a> {
-    pair: &'a Pair,
-    positions_mm: &'a [Vec3],
-    nearest: Nearest,
-    distance_mm: f64,
-    /// n = r / d, from the second part to the first.
-    direction: Vec3,
-}
-
+/// [`penalty`] on the area that a pair stands for, without fading: [N·mm], [N], [N/mm].
 #[inline]
-fn active<'a>(pair: &'a Pair, positions_mm: &'a [Vec3]) -> Option<Touch<'a>> {
-    let nearest = pair.nearest(positions_mm);
-    let squared = nearest.separation_mm.norm_squared();
-    if squared >= pair.activation_mm * pair.activation_mm {
-        return None;
-    }
-    let distance_mm = squared.sqrt();
-    Some(Touch {
-        pair,
-        positions_mm,
-        nearest,
-        distance_mm,
-        direction: nearest.separation_mm * (1.0 / distance_mm),
-    })
-}
-
-/// The factor m(c) that fades near-parallel edges out, with its first two derivatives in c = |u × v|².
-struct Fade {
-    value: f64,
-    slope: f64,
-    curvature: f64,
-    /// The edges u and v [mm].
-    edges: [Vec3; 2],
-    /// Derivatives of c by u and by v [mm³].
-    by_edges: [Vec3; 2],
+fn penalty_of(touch: &Touch, stiffness_mpa: f64) -> [f64; 3] {
+    let Pair {
+        activation_mm,
+        rigid_mm,
+        area_mm2,
+        ..
+    } = touch.pair;
+    penalty(touch.distance_mm, activation_mm, rigid_mm, stiffness_mpa).map(|value| value * area_mm2)
 }
 
 /// What is left of a pair after fading [1].
@@ -150,95 +116,8 @@ fn share_of(fade: Option<&Fade>) -> f64 {
     fade.map_or(1.0, |fade| fade.value)
 }
 
-/// Whether an edge comes from its vertex or goes to it: the derivative of u and v by the four vertices [1].
-const EDGE_SIGNS: [f64; 4] = [-1.0, 1.0, -1.0, 1.0];
-
-impl Fade {
-    /// Derivative of c by vertex k [mm³].
-    fn gradient(&self, k: usize) -> Vec3 {
-        self.by_edges[k / 2] * EDGE_SIGNS[k]
-    }
-
-    /// Second derivatives of c: by u twice, by u and v, by v twice [mm²].
-    fn cross_hessian(&self) -> [Mat3; 3] {
-        let [u, v] = self.edges;
-        let twice = |w: Vec3| (Mat3::from_diagonal_element(w.norm_squared()) - w * w.transpose()) * 2.0;
-        let mixed = u * v.transpose() * 2.0 - v * u.transpose() - Mat3::from_diagonal_element(u.dot(&v));
-        [twice(v), mixed * 2.0, twice(u)]
-    }
-}
-
-/// A way in which the closest points can slide, orthogonal to the others: what it does to D = ½ d², by the four vertices.
-struct Slide {
-    /// b = w e + u r, the second derivative of D by a vertex and the slide [mm].
-    mixed: [Vec3; 4],
-    /// 1 / (e·e) [1/mm²].
-    inverse: f64,
-}
-
-impl Touch<'_> {
-    #[inline]
-    fn corners(&self) -> [Vec3; 4] {
-        corners(&self.pair.vertices, self.positions_mm)
-    }
-
-    /// Which vertices share the closest points.
-    #[inline]
-    fn shares(&self) -> [bool; 4] {
-        self.nearest.weights.map(|weight| weight != 0.0)
-    }
-
-    /// [`penalty`] on the area that the pair stands for, without fading: [N·mm], [N], [N/mm].
-    #[inline]
-    fn penalty(&self, stiffness_mpa: f64) -> [f64; 3] {
-        let &Pair {
-            activation_mm,
-            rigid_mm,
-            area_mm2,
-            ..
-        } = self.pair;
-        penalty(self.distance_mm, activation_mm, rigid_mm, stiffness_mpa).map(|value| value * area_mm2)
-    }
-
-    /// m(c) = (c/ε)(2 − c/ε) below the limit ε; nothing above, where it is 1 (Li et al. 2020, eq. 24).
-    #[inline]
-    fn fade(&self) -> Option<Fade> {
-        if self.pair.kind == PairKind::PointTriangle {
-            return None;
-        }
-        let [a, b, c, d] = self.corners();
-        let limit = self.pair.parallel_limit_mm4;
-        let (u, v) = (b - a, d - c);
-        let c = u.cross(&v).norm_squared();
-        (c < limit).then(|| Fade {
-            value: c / limit * (2.0 - c / limit),
-            slope: 2.0 / limit * (1.0 - c / limit),
-            curvature: -2.0 / (limit * limit),
-            edges: [u, v],
-            by_edges: [
-                (u * v.norm_squared() - v * u.dot(&v)) * 2.0,
-                (v * u.norm_squared() - u * u.dot(&v)) * 2.0,
-            ],
-        })
-    }
-
-    /// How r = Σ wᵢ xᵢ slides: e = Σ uᵢ xᵢ for a direction u in weight space.
-    #[inline]
-    fn sliding(&self, u: &[f64; 4]) -> Vec3 {
-        let [a, b, c, d] = self.corners();
-        (b - a) * u[1] + (c - a) * u[2] + (d - a) * u[3]
-    }
-
-    #[inline]
-    fn slide(&self, u: &[f64; 4], e: &Vec3) -> Slide {
-        let (w, r) = (&self.nearest.weights, &self.nearest.separation_mm);
-        let squared = e.norm_squared();
-        Slide {
-            mixed: std::array::from_fn(|i| e * w[i] + r * u[i]),
-            inverse: if squared > 0.0 { 1.0 / squared } else { 0.0 },
-        }
-    }
-}
+/// A block for each of [`PLACES`].
+type Blocks = [Mat3; PLACES.len()];
 
 /// ∇²(m ψ) = m (ψ'' ∇d∇dᵀ + ψ' ∇²d) + ψ' m' (∇d∇cᵀ + ∇c∇dᵀ) + ψ (m'' ∇c∇cᵀ + m' ∇²c), times the area.
 ///
@@ -251,9 +130,9 @@ impl Touch<'_> {
 /// ```
 ///
 /// Returns which vertices count: u is zero where w is, so that only fading moves the others.
-fn exact_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) -> [bool; 4] {
-    let penalty = touch.penalty(stiffness_mpa);
-    let fade = touch.fade();
+fn exact_blocks(touch: &Touch, stiffness_mpa: f64, positions_mm: &[Vec3], blocks: &mut Blocks) -> [bool; 4] {
+    let penalty = penalty_of(touch, stiffness_mpa);
+    let fade = touch.fade(positions_mm);
     let [_, slope, curvature] = penalty.map(|value| value * share_of(fade.as_ref()));
     let (n, across) = (&touch.direction, slope / touch.distance_mm);
     let base = n * n.transpose() * (curvature - across) + Mat3::from_diagonal_element(across);
@@ -262,11 +141,14 @@ fn exact_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) -> [bool
     match parameters.count {
         0 => write_blocks(touch, &base, across, [], blocks),
         1 => {
-            let slide = touch.slide(&first, &touch.sliding(&first));
+            let slide = touch.slide(&first, &touch.sliding(&first, positions_mm));
             write_blocks(touch, &base, across, [slide], blocks);
         }
         _ => {
-            let (e, mut f) = (touch.sliding(&first), touch.sliding(&second));
+            let (e, mut f) = (
+                touch.sliding(&first, positions_mm),
+                touch.sliding(&second, positions_mm),
+            );
             let (squared, part) = (f.norm_squared(), e.dot(&f) / e.norm_squared());
             f -= e * part;
             (0..4).for_each(|i| second[i] -= first[i] * part);
@@ -330,10 +212,15 @@ fn add_fading(touch: &Touch, fade: &Fade, [value, slope, _]: [f64; 3], blocks: &
 }
 
 /// The part that resists approach: m ψ'' ∇d∇dᵀ, never negative.
-fn projected_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) -> [bool; 4] {
-    let [_, _, curvature] = touch.penalty(stiffness_mpa);
+fn projected_blocks(
+    touch: &Touch,
+    stiffness_mpa: f64,
+    positions_mm: &[Vec3],
+    blocks: &mut Blocks,
+) -> [bool; 4] {
+    let [_, _, curvature] = penalty_of(touch, stiffness_mpa);
     let n = &touch.direction;
-    let base = n * n.transpose() * (share_of(touch.fade().as_ref()) * curvature);
+    let base = n * n.transpose() * (share_of(touch.fade(positions_mm).as_ref()) * curvature);
     write_blocks(touch, &base, 0.0, [], blocks);
     touch.shares()
 }

@@ -7,6 +7,7 @@ use super::krylov::Krylov;
 use super::load;
 use crate::contact::pairs::{Pair, PairKind};
 use crate::contact::surface::Surface;
+use crate::contact::touch::Touch;
 use crate::energy::{BlockSink, Curvature, pressure};
 use crate::model::Model;
 use crate::{Mat3, Vec3};
@@ -82,6 +83,7 @@ impl<'a> System<'a> {
     pub(super) fn assemble(
         &mut self,
         near: &[Pair],
+        touches: &[Touch],
         positions: &[Vec3],
         curvature: Curvature,
         mut moved: Option<Moved>,
@@ -89,10 +91,10 @@ impl<'a> System<'a> {
         let (model, free_index) = (self.model, &self.free_index);
         self.elastic
             .fill(model, free_index, positions, curvature, &mut moved);
-        if !self.add_up(near, positions, curvature, &mut moved) {
+        if !self.add_up(touches, positions, curvature, &mut moved) {
             self.make_pattern(near, positions);
             // The right-hand side has had its share.
-            self.add_up(near, positions, curvature, &mut None);
+            self.add_up(touches, positions, curvature, &mut None);
         }
         self.analyse();
     }
@@ -100,7 +102,7 @@ impl<'a> System<'a> {
     /// Adds contact to the elastic part; false if the pattern lacks a place for it.
     fn add_up(
         &mut self,
-        near: &[Pair],
+        touches: &[Touch],
         positions: &[Vec3],
         curvature: Curvature,
         moved: &mut Option<Moved>,
@@ -115,7 +117,7 @@ impl<'a> System<'a> {
             moved,
             lacks_place: false,
         };
-        load::add_contact_tangent(self.model, near, positions, curvature, &mut sink);
+        load::add_contact_tangent(self.model, touches, positions, curvature, &mut sink);
         !sink.lacks_place
     }
 
