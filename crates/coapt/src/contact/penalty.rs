@@ -71,33 +71,13 @@ pub fn add_hessian(
     curvature: Curvature,
     sink: &mut impl BlockSink,
 ) {
-    let mut blocks = [Mat3::zeros(); PLACES.len()];
     for touch in touches {
-        let moves = match curvature {
-            Curvature::Exact => exact_blocks(touch, stiffness_mpa, positions_mm, &mut blocks),
-            Curvature::Projected => projected_blocks(touch, stiffness_mpa, positions_mm, &mut blocks),
-        };
-        for (block, [i, j]) in blocks.iter().zip(PLACES) {
-            if moves[i] && moves[j] {
-                sink.add(touch.pair.vertices[i], touch.pair.vertices[j], block);
-            }
+        match curvature {
+            Curvature::Exact => add_exact(touch, stiffness_mpa, positions_mm, sink),
+            Curvature::Projected => add_projected(touch, stiffness_mpa, positions_mm, sink),
         }
     }
 }
-
-/// The blocks of a pair: row, column.
-const PLACES: [[usize; 2]; 10] = [
-    [0, 0],
-    [0, 1],
-    [0, 2],
-    [0, 3],
-    [1, 1],
-    [1, 2],
-    [1, 3],
-    [2, 2],
-    [2, 3],
-    [3, 3],
-];
 
 /// [`penalty`] on the area that a pair stands for, without fading: [N·mm], [N], [N/mm].
 #[inline]
@@ -116,9 +96,6 @@ fn share_of(fade: Option<&Fade>) -> f64 {
     fade.map_or(1.0, |fade| fade.value)
 }
 
-/// A block for each of [`PLACES`].
-type Blocks = [Mat3; PLACES.len()];
-
 /// ∇²(m ψ) = m (ψ'' ∇d∇dᵀ + ψ' ∇²d) + ψ' m' (∇d∇cᵀ + ∇c∇dᵀ) + ψ (m'' ∇c∇cᵀ + m' ∇²c), times the area.
 ///
 /// ∇d = wᵢ n. With D = ½ r·r and r = Σ wᵢ(b) xᵢ minimised over the free parameters b:
@@ -128,9 +105,7 @@ type Blocks = [Mat3; PLACES.len()];
 /// ∇²D = wᵢ wⱼ I − Σ_k (wᵢ e_k + u_ki r) (wⱼ e_k + u_kj r)ᵀ / (e_k·e_k)
 /// ∇²d = (∇²D − wᵢ wⱼ n nᵀ) / d
 /// ```
-///
-/// Returns which vertices count: u is zero where w is, so that only fading moves the others.
-fn exact_blocks(touch: &Touch, stiffness_mpa: f64, positions_mm: &[Vec3], blocks: &mut Blocks) -> [bool; 4] {
+fn add_exact(touch: &Touch, stiffness_mpa: f64, positions_mm: &[Vec3], sink: &mut impl BlockSink) {
     let penalty = penalty_of(touch, stiffness_mpa);
     let fade = touch.fade(positions_mm);
     let [_, slope, curvature] = penalty.map(|value| value * share_of(fade.as_ref()));
@@ -139,10 +114,10 @@ fn exact_blocks(touch: &Touch, stiffness_mpa: f64, positions_mm: &[Vec3], blocks
     let parameters = touch.pair.parameters(&touch.nearest);
     let [first, mut second] = parameters.directions;
     match parameters.count {
-        0 => write_blocks(touch, &base, across, [], blocks),
+        0 => add_blocks(touch, &base, across, [], sink),
         1 => {
             let slide = touch.slide(&first, &touch.sliding(&first, positions_mm));
-            write_blocks(touch, &base, across, [slide], blocks);
+            add_blocks(touch, &base, across, [slide], sink);
         }
         _ => {
             let (e, mut f) = (
@@ -156,45 +131,45 @@ fn exact_blocks(touch: &Touch, stiffness_mpa: f64, positions_mm: &[Vec3], blocks
             // Parallel slides are one; a pair of edges has faded out there.
             if f.norm_squared() > 1e-12 * squared {
                 let slides = [slide, touch.slide(&second, &f)];
-                write_blocks(touch, &base, across, slides, blocks);
+                add_blocks(touch, &base, across, slides, sink);
             } else {
-                write_blocks(touch, &base, across, [slide], blocks);
+                add_blocks(touch, &base, across, [slide], sink);
             }
         }
     }
-    match fade {
-        Some(fade) => {
-            add_fading(touch, &fade, penalty, blocks);
-            [true; 4]
-        }
-        None => touch.shares(),
+    if let Some(fade) = fade {
+        add_fading(touch, &fade, penalty, sink);
     }
 }
 
-/// wᵢ wⱼ times the base, less what sliding takes off.
+/// wᵢ wⱼ times the base, less what sliding takes off; u is zero where w is.
 #[inline]
-fn write_blocks<const COUNT: usize>(
+fn add_blocks<const COUNT: usize>(
     touch: &Touch,
     base: &Mat3,
     across: f64,
     slides: [Slide; COUNT],
-    blocks: &mut Blocks,
+    sink: &mut impl BlockSink,
 ) {
-    let w = &touch.nearest.weights;
+    let (w, vertices) = (&touch.nearest.weights, &touch.pair.vertices);
     let scaled = slides
         .each_ref()
         .map(|slide| slide.mixed.map(|b| b * (across * slide.inverse)));
-    for (block, [i, j]) in blocks.iter_mut().zip(PLACES) {
-        *block = base * (w[i] * w[j]);
-        for (slide, scaled) in slides.iter().zip(&scaled) {
-            *block -= slide.mixed[i] * scaled[j].transpose();
+    for i in (0..4).filter(|&i| w[i] != 0.0) {
+        let row = base * w[i];
+        for j in (i..4).filter(|&j| w[j] != 0.0) {
+            let mut block = row * w[j];
+            for (slide, scaled) in slides.iter().zip(&scaled) {
+                block -= slide.mixed[i] * scaled[j].transpose();
+            }
+            sink.add(vertices[i], vertices[j], &block);
         }
     }
 }
 
 /// What the derivatives of m add to the Hessian of a pair that fades.
 #[cold]
-fn add_fading(touch: &Touch, fade: &Fade, [value, slope, _]: [f64; 3], blocks: &mut Blocks) {
+fn add_fading(touch: &Touch, fade: &Fade, [value, slope, _]: [f64; 3], sink: &mut impl BlockSink) {
     let [g, h] = &fade.by_edges;
     let [uu, uv, vv] = fade.cross_hessian().map(|block| block * (value * fade.slope));
     let twice = value * fade.curvature;
@@ -203,26 +178,24 @@ fn add_fading(touch: &Touch, fade: &Fade, [value, slope, _]: [f64; 3], blocks: &
         uv + g * h.transpose() * twice,
         vv + h * h.transpose() * twice,
     ];
-    let w = touch.nearest.weights;
+    let (w, vertices) = (&touch.nearest.weights, &touch.pair.vertices);
     let n = touch.direction * (slope * fade.slope);
-    for (block, [i, j]) in blocks.iter_mut().zip(PLACES) {
-        *block += of_edges[i / 2 + j / 2] * (EDGE_SIGNS[i] * EDGE_SIGNS[j]);
-        *block += n * fade.gradient(j).transpose() * w[i] + fade.gradient(i) * n.transpose() * w[j];
+    for i in 0..4 {
+        for j in i..4 {
+            let block = of_edges[i / 2 + j / 2] * (EDGE_SIGNS[i] * EDGE_SIGNS[j])
+                + n * fade.gradient(j).transpose() * w[i]
+                + fade.gradient(i) * n.transpose() * w[j];
+            sink.add(vertices[i], vertices[j], &block);
+        }
     }
 }
 
 /// The part that resists approach: m ψ'' ∇d∇dᵀ, never negative.
-fn projected_blocks(
-    touch: &Touch,
-    stiffness_mpa: f64,
-    positions_mm: &[Vec3],
-    blocks: &mut Blocks,
-) -> [bool; 4] {
+fn add_projected(touch: &Touch, stiffness_mpa: f64, positions_mm: &[Vec3], sink: &mut impl BlockSink) {
     let [_, _, curvature] = penalty_of(touch, stiffness_mpa);
     let n = &touch.direction;
     let base = n * n.transpose() * (share_of(touch.fade(positions_mm).as_ref()) * curvature);
-    write_blocks(touch, &base, 0.0, [], blocks);
-    touch.shares()
+    add_blocks(touch, &base, 0.0, [], sink);
 }
 
 #[cfg(test)]

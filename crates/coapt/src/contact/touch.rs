@@ -80,12 +80,6 @@ pub(super) struct Slide {
 }
 
 impl Touch {
-    /// Which vertices share the closest points.
-    #[inline]
-    pub(super) fn shares(&self) -> [bool; 4] {
-        self.nearest.weights.map(|weight| weight != 0.0)
-    }
-
     /// m(c) = (c/ε)(2 − c/ε) below the limit ε; nothing above, where it is 1 (Li et al. 2020, eq. 24).
     #[inline]
     pub(super) fn fade(&self, positions_mm: &[Vec3]) -> Option<Fade> {
