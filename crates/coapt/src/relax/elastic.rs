@@ -3,7 +3,7 @@
 use super::block_matrix::BlockMatrix;
 use super::load;
 use super::system::Moved;
-use crate::energy::{BlockSink, Curvature, bending};
+use crate::energy::{BlockSink, Curvature};
 use crate::model::Model;
 use crate::{Mat3, Vec3};
 
@@ -47,7 +47,7 @@ impl Elastic {
         load::add_varying_tangent(model, &model.rest_mm, Curvature::Exact, &mut sink);
         let mut bending = Vec::new();
         let mut sink = |row: u32, column: u32, block: &Mat3| bending.push(([row, column], block[0]));
-        bending::add_hessian(&model.hinges, &mut sink);
+        load::add_constant_tangent(model, &mut sink);
         let places = handed_out.iter().copied();
         let places = places.chain(bending.iter().map(|&(vertices, _)| index(vertices)));
         let places: Vec<[u32; 2]> = places.filter(|place| !place.contains(&PRESCRIBED)).collect();

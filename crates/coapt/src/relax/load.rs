@@ -34,11 +34,16 @@ pub fn add_elastic_tangent(
     curvature: Curvature,
     sink: &mut impl BlockSink,
 ) {
-    bending::add_hessian(&model.hinges, sink);
+    add_constant_tangent(model, sink);
     add_varying_tangent(model, positions_mm, curvature, sink);
 }
 
-/// As [`add_elastic_tangent`], without bending, which is the same for all positions.
+/// The part of [`add_elastic_tangent`] that is the same for all positions, multiples of the identity: bending.
+pub fn add_constant_tangent(model: &Model, sink: &mut impl BlockSink) {
+    bending::add_hessian(&model.hinges, sink);
+}
+
+/// The rest of [`add_elastic_tangent`].
 pub fn add_varying_tangent(
     model: &Model,
     positions_mm: &[Vec3],

@@ -145,13 +145,9 @@ impl<'a> System<'a> {
             places.extend(couplings(pair.kind, index).into_iter().flatten());
         }
         let mut matrix = BlockMatrix::with_pattern(self.free.len(), &places);
-        let needed = matrix.rows.len();
         if !self.matrix.rows.is_empty() {
-            places.extend(self.matrix.places());
-            let united = BlockMatrix::with_pattern(self.free.len(), &places);
-            if united.rows.len() as f64 <= PATTERN_EXCESS * needed as f64 {
-                matrix = united;
-            }
+            let limit = PATTERN_EXCESS * matrix.rows.len() as f64;
+            matrix.unite(&self.matrix, limit as usize);
         }
         self.matrix = matrix;
         self.is_analysed = false;
