@@ -15,6 +15,7 @@ use coapt::contact::crossing::crossings;
 use coapt::contact::gather::PairList;
 use coapt::contact::pairs::Pair;
 use coapt::contact::surface::Surface;
+use coapt::contact::touch::{Touch, touches_into};
 use coapt::energy::Curvature;
 use coapt::model::Model;
 use coapt::relax::load;
@@ -98,6 +99,7 @@ struct Run<'a> {
     list: PairList,
     /// The pairs that may touch where the valve now is.
     near: Vec<Pair>,
+    touches: Vec<Touch>,
     /// Minus the force on each vertex there [N].
     gradient: Vec<Vec3>,
     /// No step: pairs are asked for at a place.
@@ -129,6 +131,7 @@ impl<'a> Run<'a> {
             surface,
             list: PairList::default(),
             near: Vec::new(),
+            touches: Vec::new(),
             gradient: vec![Vec3::zeros(); count],
             at_rest: vec![Vec3::zeros(); count],
             free: (0..count).filter(|vertex| !held(vertex)).collect(),
@@ -161,7 +164,8 @@ impl<'a> Run<'a> {
     fn evaluate(&mut self) {
         let place = place(self.model, self.surface, &self.positions_mm);
         self.list.gather(&place, &self.at_rest, &mut self.near);
-        load::gradient_into(self.model, &self.near, &self.positions_mm, &mut self.gradient);
+        touches_into(&self.near, &self.positions_mm, &mut self.touches);
+        load::gradient_into(self.model, &self.touches, &self.positions_mm, &mut self.gradient);
     }
 
     fn residual(&self) -> f64 {
@@ -182,7 +186,7 @@ impl<'a> Run<'a> {
         };
         let (model, positions_mm) = (self.model, &self.positions_mm);
         load::add_elastic_tangent(model, positions_mm, Curvature::Projected, &mut add);
-        load::add_contact_tangent(model, &self.near, positions_mm, Curvature::Projected, &mut add);
+        load::add_contact_tangent(model, &self.touches, positions_mm, Curvature::Projected, &mut add);
         let least = 0.1 * rows.iter().sum::<f64>() / rows.len() as f64;
         self.mass = rows.iter().map(|row| 0.25 * row.max(least)).collect();
     }

@@ -6,6 +6,7 @@
 //! certificate included. At the open valve nothing touches, at the closed one contact is a part of the price: both are
 //! timed.
 
+use coapt::contact::touch::touches;
 use coapt::energy::Curvature;
 use coapt::model::Model;
 use coapt::relax::block_matrix::BlockMatrix;
@@ -81,7 +82,8 @@ fn tangent(scenery: &Scenery) -> BlockMatrix {
         }
     };
     load::add_elastic_tangent(model, &state.positions_mm, Curvature::Exact, &mut sink);
-    load::add_contact_tangent(model, pairs, &state.positions_mm, Curvature::Exact, &mut sink);
+    let touches = touches(pairs, &state.positions_mm);
+    load::add_contact_tangent(model, &touches, &state.positions_mm, Curvature::Exact, &mut sink);
     let places: Vec<[u32; 2]> = blocks.iter().map(|&(row, column, _)| [row, column]).collect();
     let mut matrix = BlockMatrix::with_pattern(size, &places);
     for (row, column, block) in &blocks {

@@ -4,6 +4,7 @@
 
 use coapt::Vec3;
 use coapt::contact::penalty;
+use coapt::contact::touch::touches;
 use coapt::energy::{bilinear_spring, chord, chord::Chords, pressure};
 use coapt_benches::{PLANNING_SIZE, Scenery, closed_scenery};
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -28,7 +29,8 @@ fn bench_terms(criterion: &mut Criterion) {
         pressure::add_gradient(&s.model.faces, 0.0, places, gradient);
     });
     bench(criterion, "contact/present", &closed, |s, places, gradient| {
-        penalty::add_gradient(&s.pairs, s.model.contact.stiffness_mpa, places, gradient);
+        let touches = touches(&s.pairs, places);
+        penalty::add_gradient(&touches, s.model.contact.stiffness_mpa, places, gradient);
     });
     bench(criterion, "contact/apart", &closed, |s, places, gradient| {
         penalty::add_gradient(&[], s.model.contact.stiffness_mpa, places, gradient);

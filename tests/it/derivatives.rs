@@ -6,6 +6,7 @@
 
 use coapt::contact::pairs::{Pair, PairKind};
 use coapt::contact::penalty;
+use coapt::contact::touch::touches;
 use coapt::energy::{
     BlockSink, Curvature, bending, bending::Hinges, bilinear_spring, bilinear_spring::Springs, chord,
     chord::Chords, pressure,
@@ -407,9 +408,13 @@ fn contact_of_every_kind() {
             },
         }];
         let term = Term {
-            energy: &|x| penalty::energy(&pairs, 2.0, x),
-            gradient: &|x| gradient_of(4, |g| penalty::add_gradient(&pairs, 2.0, x, g)),
-            hessian: &|x, c| dense(4, |sink| penalty::add_hessian(&pairs, 2.0, x, c, sink)),
+            energy: &|x| penalty::energy(&touches(&pairs, x), 2.0, x),
+            gradient: &|x| gradient_of(4, |g| penalty::add_gradient(&touches(&pairs, x), 2.0, x, g)),
+            hessian: &|x, c| {
+                dense(4, |sink| {
+                    penalty::add_hessian(&touches(&pairs, x), 2.0, x, c, sink)
+                })
+            },
         };
         assert!(
             (term.energy)(&positions) > 0.0,

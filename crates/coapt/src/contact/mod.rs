@@ -6,7 +6,8 @@
 //! * [`pairs`]: two parts and where they begin to touch.
 //! * [`gather`]: which pairs may touch during a step.
 //! * `listing`: a list of pairs that holds for more than one step.
-//! * [`penalty`]: energy, gradient and Hessian of the near pairs.
+//! * [`touch`]: the pairs that do touch, and how their closest points slide and fade.
+//! * [`penalty`]: energy, gradient and Hessian of those.
 //! * [`step_bound`]: how far each vertex may move so that nothing passes through anything.
 //! * [`crossing`]: the exact test whether two faces cross.
 //!
@@ -24,3 +25,4 @@ pub mod pairs;
 pub mod penalty;
 pub mod step_bound;
 pub mod surface;
+pub mod touch;

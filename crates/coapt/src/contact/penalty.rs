@@ -1,7 +1,7 @@
-//! Energy, gradient and Hessian of the near pairs.
+//! Energy, gradient and Hessian of the pairs that touch.
 
-use super::nearest::Nearest;
-use super::pairs::{Pair, PairKind, corners};
+use super::pairs::Pair;
+use super::touch::{EDGE_SIGNS, Fade, Slide, Touch};
 use crate::energy::{BlockSink, Curvature};
 use crate::{Mat3, Vec3};
 
@@ -38,198 +38,62 @@ pub fn penalty(distance_mm: f64, activation_mm: f64, rigid_mm: f64, stiffness_mp
 }
 
 /// Contact energy of all pairs [N·mm].
-pub fn energy(pairs: &[Pair], stiffness_mpa: f64, positions_mm: &[Vec3]) -> f64 {
-    let touches = pairs.iter().filter_map(|pair| active(pair, positions_mm));
+pub fn energy(touches: &[Touch], stiffness_mpa: f64, positions_mm: &[Vec3]) -> f64 {
+    let share = |touch: &Touch| share_of(touch.fade(positions_mm).as_ref());
     touches
-        .map(|touch| share_of(touch.fade().as_ref()) * touch.penalty(stiffness_mpa)[0])
+        .iter()
+        .map(|touch| share(touch) * penalty_of(touch, stiffness_mpa)[0])
         .sum()
 }
 
 /// Adds the gradient of the contact energy [N], shape `[vertex]`.
-pub fn add_gradient(pairs: &[Pair], stiffness_mpa: f64, positions_mm: &[Vec3], gradient_n: &mut [Vec3]) {
-    for pair in pairs {
-        let Some(touch) = active(pair, positions_mm) else {
-            continue;
-        };
-        let [value, slope, _] = touch.penalty(stiffness_mpa);
-        let fade = touch.fade();
+pub fn add_gradient(touches: &[Touch], stiffness_mpa: f64, positions_mm: &[Vec3], gradient_n: &mut [Vec3]) {
+    for touch in touches {
+        let [value, slope, _] = penalty_of(touch, stiffness_mpa);
+        let fade = touch.fade(positions_mm);
         let along = touch.direction * (share_of(fade.as_ref()) * slope);
-        for (&vertex, weight) in pair.vertices.iter().zip(touch.nearest.weights) {
+        for (&vertex, weight) in touch.pair.vertices.iter().zip(touch.nearest.weights) {
             gradient_n[vertex as usize] += along * weight;
         }
         if let Some(fade) = fade {
-            for (k, &vertex) in pair.vertices.iter().enumerate() {
+            for (k, &vertex) in touch.pair.vertices.iter().enumerate() {
                 gradient_n[vertex as usize] += fade.gradient(k) * (value * fade.slope);
             }
         }
     }
 }
 
-/// Adds the Hessian of the contact energy.
+/// Adds the Hessian of the contact energy. Blocks of vertices that do not share the closest points are zero and left out.
 pub fn add_hessian(
-    pairs: &[Pair],
+    touches: &[Touch],
     stiffness_mpa: f64,
     positions_mm: &[Vec3],
     curvature: Curvature,
     sink: &mut impl BlockSink,
 ) {
-    let mut blocks = [Mat3::zeros(); PLACES.len()];
-    for pair in pairs {
-        let Some(touch) = active(pair, positions_mm) else {
-            continue;
-        };
+    for touch in touches {
         match curvature {
-            Curvature::Exact => exact_blocks(&touch, stiffness_mpa, &mut blocks),
-            Curvature::Projected => projected_blocks(&touch, stiffness_mpa, &mut blocks),
-        }
-        for (block, [i, j]) in blocks.iter().zip(PLACES) {
-            sink.add(pair.vertices[i], pair.vertices[j], block);
+            Curvature::Exact => add_exact(touch, stiffness_mpa, positions_mm, sink),
+            Curvature::Projected => add_projected(touch, stiffness_mpa, positions_mm, sink),
         }
     }
 }
 
-/// The blocks of a pair: row, column.
-const PLACES: [[usize; 2]; 10] = [
-    [0, 0],
-    [0, 1],
-    [0, 2],
-    [0, 3],
-    [1, 1],
-    [1, 2],
-    [1, 3],
-    [2, 2],
-    [2, 3],
-    [3, 3],
-];
-
-/// A block for each of [`PLACES`].
-type Blocks = [Mat3; PLACES.len()];
-
-/// A pair within its activation distance.
-struct Touch<'a> {
-    pair: &'a Pair,
-    positions_mm: &'a [Vec3],
-    nearest: Nearest,
-    distance_mm: f64,
-    /// n = r / d, from the second part to the first.
-    direction: Vec3,
-}
-
+/// [`penalty`] on the area that a pair stands for, without fading: [N·mm], [N], [N/mm].
 #[inline]
-fn active<'a>(pair: &'a Pair, positions_mm: &'a [Vec3]) -> Option<Touch<'a>> {
-    let nearest = pair.nearest(positions_mm);
-    let squared = nearest.separation_mm.norm_squared();
-    if squared >= pair.activation_mm * pair.activation_mm {
-        return None;
-    }
-    let distance_mm = squared.sqrt();
-    Some(Touch {
-        pair,
-        positions_mm,
-        nearest,
-        distance_mm,
-        direction: nearest.separation_mm * (1.0 / distance_mm),
-    })
-}
-
-/// The factor m(c) that fades near-parallel edges out, with its first two derivatives in c = |u × v|².
-struct Fade {
-    value: f64,
-    slope: f64,
-    curvature: f64,
-    /// The edges u and v [mm].
-    edges: [Vec3; 2],
-    /// Derivatives of c by u and by v [mm³].
-    by_edges: [Vec3; 2],
+fn penalty_of(touch: &Touch, stiffness_mpa: f64) -> [f64; 3] {
+    let Pair {
+        activation_mm,
+        rigid_mm,
+        area_mm2,
+        ..
+    } = touch.pair;
+    penalty(touch.distance_mm, activation_mm, rigid_mm, stiffness_mpa).map(|value| value * area_mm2)
 }
 
 /// What is left of a pair after fading [1].
 fn share_of(fade: Option<&Fade>) -> f64 {
     fade.map_or(1.0, |fade| fade.value)
-}
-
-/// Whether an edge comes from its vertex or goes to it: the derivative of u and v by the four vertices [1].
-const EDGE_SIGNS: [f64; 4] = [-1.0, 1.0, -1.0, 1.0];
-
-impl Fade {
-    /// Derivative of c by vertex k [mm³].
-    fn gradient(&self, k: usize) -> Vec3 {
-        self.by_edges[k / 2] * EDGE_SIGNS[k]
-    }
-
-    /// Second derivatives of c: by u twice, by u and v, by v twice [mm²].
-    fn cross_hessian(&self) -> [Mat3; 3] {
-        let [u, v] = self.edges;
-        let twice = |w: Vec3| (Mat3::from_diagonal_element(w.norm_squared()) - w * w.transpose()) * 2.0;
-        let mixed = u * v.transpose() * 2.0 - v * u.transpose() - Mat3::from_diagonal_element(u.dot(&v));
-        [twice(v), mixed * 2.0, twice(u)]
-    }
-}
-
-/// A way in which the closest points can slide, orthogonal to the others: what it does to D = ½ d², by the four vertices.
-struct Slide {
-    /// b = w e + u r, the second derivative of D by a vertex and the slide [mm].
-    mixed: [Vec3; 4],
-    /// 1 / (e·e) [1/mm²].
-    inverse: f64,
-}
-
-impl Touch<'_> {
-    #[inline]
-    fn corners(&self) -> [Vec3; 4] {
-        corners(&self.pair.vertices, self.positions_mm)
-    }
-
-    /// [`penalty`] on the area that the pair stands for, without fading: [N·mm], [N], [N/mm].
-    #[inline]
-    fn penalty(&self, stiffness_mpa: f64) -> [f64; 3] {
-        let &Pair {
-            activation_mm,
-            rigid_mm,
-            area_mm2,
-            ..
-        } = self.pair;
-        penalty(self.distance_mm, activation_mm, rigid_mm, stiffness_mpa).map(|value| value * area_mm2)
-    }
-
-    /// m(c) = (c/ε)(2 − c/ε) below the limit ε; nothing above, where it is 1 (Li et al. 2020, eq. 24).
-    #[inline]
-    fn fade(&self) -> Option<Fade> {
-        if self.pair.kind == PairKind::PointTriangle {
-            return None;
-        }
-        let [a, b, c, d] = self.corners();
-        let limit = self.pair.parallel_limit_mm4;
-        let (u, v) = (b - a, d - c);
-        let c = u.cross(&v).norm_squared();
-        (c < limit).then(|| Fade {
-            value: c / limit * (2.0 - c / limit),
-            slope: 2.0 / limit * (1.0 - c / limit),
-            curvature: -2.0 / (limit * limit),
-            edges: [u, v],
-            by_edges: [
-                (u * v.norm_squared() - v * u.dot(&v)) * 2.0,
-                (v * u.norm_squared() - u * u.dot(&v)) * 2.0,
-            ],
-        })
-    }
-
-    /// How r = Σ wᵢ xᵢ slides: e = Σ uᵢ xᵢ for a direction u in weight space.
-    #[inline]
-    fn sliding(&self, u: &[f64; 4]) -> Vec3 {
-        let [a, b, c, d] = self.corners();
-        (b - a) * u[1] + (c - a) * u[2] + (d - a) * u[3]
-    }
-
-    #[inline]
-    fn slide(&self, u: &[f64; 4], e: &Vec3) -> Slide {
-        let (w, r) = (&self.nearest.weights, &self.nearest.separation_mm);
-        let squared = e.norm_squared();
-        Slide {
-            mixed: std::array::from_fn(|i| e * w[i] + r * u[i]),
-            inverse: if squared > 0.0 { 1.0 / squared } else { 0.0 },
-        }
-    }
 }
 
 /// ∇²(m ψ) = m (ψ'' ∇d∇dᵀ + ψ' ∇²d) + ψ' m' (∇d∇cᵀ + ∇c∇dᵀ) + ψ (m'' ∇c∇cᵀ + m' ∇²c), times the area.
@@ -241,22 +105,25 @@ impl Touch<'_> {
 /// ∇²D = wᵢ wⱼ I − Σ_k (wᵢ e_k + u_ki r) (wⱼ e_k + u_kj r)ᵀ / (e_k·e_k)
 /// ∇²d = (∇²D − wᵢ wⱼ n nᵀ) / d
 /// ```
-fn exact_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) {
-    let penalty = touch.penalty(stiffness_mpa);
-    let fade = touch.fade();
+fn add_exact(touch: &Touch, stiffness_mpa: f64, positions_mm: &[Vec3], sink: &mut impl BlockSink) {
+    let penalty = penalty_of(touch, stiffness_mpa);
+    let fade = touch.fade(positions_mm);
     let [_, slope, curvature] = penalty.map(|value| value * share_of(fade.as_ref()));
     let (n, across) = (&touch.direction, slope / touch.distance_mm);
     let base = n * n.transpose() * (curvature - across) + Mat3::from_diagonal_element(across);
     let parameters = touch.pair.parameters(&touch.nearest);
     let [first, mut second] = parameters.directions;
     match parameters.count {
-        0 => write_blocks(touch, &base, across, [], blocks),
+        0 => add_blocks(touch, &base, across, [], sink),
         1 => {
-            let slide = touch.slide(&first, &touch.sliding(&first));
-            write_blocks(touch, &base, across, [slide], blocks);
+            let slide = touch.slide(&first, &touch.sliding(&first, positions_mm));
+            add_blocks(touch, &base, across, [slide], sink);
         }
         _ => {
-            let (e, mut f) = (touch.sliding(&first), touch.sliding(&second));
+            let (e, mut f) = (
+                touch.sliding(&first, positions_mm),
+                touch.sliding(&second, positions_mm),
+            );
             let (squared, part) = (f.norm_squared(), e.dot(&f) / e.norm_squared());
             f -= e * part;
             (0..4).for_each(|i| second[i] -= first[i] * part);
@@ -264,41 +131,45 @@ fn exact_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) {
             // Parallel slides are one; a pair of edges has faded out there.
             if f.norm_squared() > 1e-12 * squared {
                 let slides = [slide, touch.slide(&second, &f)];
-                write_blocks(touch, &base, across, slides, blocks);
+                add_blocks(touch, &base, across, slides, sink);
             } else {
-                write_blocks(touch, &base, across, [slide], blocks);
+                add_blocks(touch, &base, across, [slide], sink);
             }
         }
     }
     if let Some(fade) = fade {
-        add_fading(touch, &fade, penalty, blocks);
+        add_fading(touch, &fade, penalty, sink);
     }
 }
 
-/// wᵢ wⱼ times the base, less what sliding takes off.
+/// wᵢ wⱼ times the base, less what sliding takes off; u is zero where w is.
 #[inline]
-fn write_blocks<const COUNT: usize>(
+fn add_blocks<const COUNT: usize>(
     touch: &Touch,
     base: &Mat3,
     across: f64,
     slides: [Slide; COUNT],
-    blocks: &mut Blocks,
+    sink: &mut impl BlockSink,
 ) {
-    let w = &touch.nearest.weights;
+    let (w, vertices) = (&touch.nearest.weights, &touch.pair.vertices);
     let scaled = slides
         .each_ref()
         .map(|slide| slide.mixed.map(|b| b * (across * slide.inverse)));
-    for (block, [i, j]) in blocks.iter_mut().zip(PLACES) {
-        *block = base * (w[i] * w[j]);
-        for (slide, scaled) in slides.iter().zip(&scaled) {
-            *block -= slide.mixed[i] * scaled[j].transpose();
+    for i in (0..4).filter(|&i| w[i] != 0.0) {
+        let row = base * w[i];
+        for j in (i..4).filter(|&j| w[j] != 0.0) {
+            let mut block = row * w[j];
+            for (slide, scaled) in slides.iter().zip(&scaled) {
+                block -= slide.mixed[i] * scaled[j].transpose();
+            }
+            sink.add(vertices[i], vertices[j], &block);
         }
     }
 }
 
 /// What the derivatives of m add to the Hessian of a pair that fades.
 #[cold]
-fn add_fading(touch: &Touch, fade: &Fade, [value, slope, _]: [f64; 3], blocks: &mut Blocks) {
+fn add_fading(touch: &Touch, fade: &Fade, [value, slope, _]: [f64; 3], sink: &mut impl BlockSink) {
     let [g, h] = &fade.by_edges;
     let [uu, uv, vv] = fade.cross_hessian().map(|block| block * (value * fade.slope));
     let twice = value * fade.curvature;
@@ -307,20 +178,24 @@ fn add_fading(touch: &Touch, fade: &Fade, [value, slope, _]: [f64; 3], blocks: &
         uv + g * h.transpose() * twice,
         vv + h * h.transpose() * twice,
     ];
-    let w = touch.nearest.weights;
+    let (w, vertices) = (&touch.nearest.weights, &touch.pair.vertices);
     let n = touch.direction * (slope * fade.slope);
-    for (block, [i, j]) in blocks.iter_mut().zip(PLACES) {
-        *block += of_edges[i / 2 + j / 2] * (EDGE_SIGNS[i] * EDGE_SIGNS[j]);
-        *block += n * fade.gradient(j).transpose() * w[i] + fade.gradient(i) * n.transpose() * w[j];
+    for i in 0..4 {
+        for j in i..4 {
+            let block = of_edges[i / 2 + j / 2] * (EDGE_SIGNS[i] * EDGE_SIGNS[j])
+                + n * fade.gradient(j).transpose() * w[i]
+                + fade.gradient(i) * n.transpose() * w[j];
+            sink.add(vertices[i], vertices[j], &block);
+        }
     }
 }
 
 /// The part that resists approach: m ψ'' ∇d∇dᵀ, never negative.
-fn projected_blocks(touch: &Touch, stiffness_mpa: f64, blocks: &mut Blocks) {
-    let [_, _, curvature] = touch.penalty(stiffness_mpa);
+fn add_projected(touch: &Touch, stiffness_mpa: f64, positions_mm: &[Vec3], sink: &mut impl BlockSink) {
+    let [_, _, curvature] = penalty_of(touch, stiffness_mpa);
     let n = &touch.direction;
-    let base = n * n.transpose() * (share_of(touch.fade().as_ref()) * curvature);
-    write_blocks(touch, &base, 0.0, [], blocks);
+    let base = n * n.transpose() * (share_of(touch.fade(positions_mm).as_ref()) * curvature);
+    add_blocks(touch, &base, 0.0, [], sink);
 }
 
 #[cfg(test)]

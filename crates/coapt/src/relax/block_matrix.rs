@@ -39,12 +39,44 @@ impl BlockMatrix {
         }
     }
 
+    /// Adds the places of another pattern to a zero matrix, unless there were more than `limit` blocks then.
+    pub fn unite(&mut self, other: &Self, limit: usize) {
+        let mut united = Self {
+            column_starts: vec![0],
+            rows: Vec::with_capacity(self.rows.len() + other.rows.len()),
+            blocks: Vec::new(),
+        };
+        for (mine, theirs) in self.column_starts.windows(2).zip(other.column_starts.windows(2)) {
+            let [mine, theirs] =
+                [(mine, &self.rows), (theirs, &other.rows)].map(|(ends, rows)| &rows[ends[0]..ends[1]]);
+            merge_into(mine, theirs, &mut united.rows);
+            united.column_starts.push(united.rows.len());
+        }
+        if united.rows.len() <= limit {
+            united.blocks = std::mem::take(&mut self.blocks);
+            united.blocks.resize(united.rows.len(), Mat3::zeros());
+            *self = united;
+        }
+    }
+
     /// The off-diagonal places of the pattern, each once: row, column.
     pub fn places(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         (0..self.size()).flat_map(move |column| {
             let below = self.column_starts[column] + 1..self.column_starts[column + 1];
             below.map(move |slot| [self.rows[slot], column as u32])
         })
+    }
+
+    /// Where each block is kept in a matrix whose pattern has all places of this one, shape `[block]`.
+    pub fn slots_in(&self, wider: &Self) -> Vec<u32> {
+        let mut slots = Vec::with_capacity(self.rows.len());
+        for (ends, wide_ends) in self.column_starts.windows(2).zip(wider.column_starts.windows(2)) {
+            let wide = (wide_ends[0]..wide_ends[1]).zip(&wider.rows[wide_ends[0]..wide_ends[1]]);
+            let mut rows = self.rows[ends[0]..ends[1]].iter().peekable();
+            let kept = wide.filter(|(_, row)| rows.next_if_eq(row).is_some());
+            slots.extend(kept.map(|(slot, _)| slot as u32));
+        }
+        slots
     }
 
     /// Number of block rows.
@@ -105,6 +137,17 @@ impl BlockMatrix {
             product[column] += sum;
         }
     }
+}
+
+/// Appends the rows of two ascending lists, each once.
+fn merge_into(mut one: &[u32], mut other: &[u32], merged: &mut Vec<u32>) {
+    while let (&[x, ref after_x @ ..], &[y, ref after_y @ ..]) = (one, other) {
+        merged.push(x.min(y));
+        one = if x <= y { after_x } else { one };
+        other = if y <= x { after_y } else { other };
+    }
+    merged.extend_from_slice(one);
+    merged.extend_from_slice(other);
 }
 
 /// Sorts places by one of their indices, all below `size`; those with the same stay in order.

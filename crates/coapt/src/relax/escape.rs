@@ -4,6 +4,7 @@ use super::load::Merit;
 use super::newton::{Newton, advance};
 use super::stability;
 use crate::Vec3;
+use crate::contact::touch::touches;
 use crate::energy::Curvature;
 
 /// Relative residual of the solutions that eigenvalues are found from [1].
@@ -23,7 +24,7 @@ impl Newton<'_> {
             return true;
         }
         self.system
-            .assemble(&self.near, positions, Curvature::Exact, None);
+            .assemble(&self.near, &self.touches, positions, Curvature::Exact, None);
         // Slack chord nodes have no stiffness at all: the least damping, far below any tissue's, keeps them from
         // counting.
         if self.system.factorise(self.least_damping) {
@@ -80,7 +81,7 @@ impl Newton<'_> {
         self.bound_step(positions);
         let mut end = positions.to_vec();
         advance(&mut end, &self.step, 1.0);
-        (merit.value(self.model, &self.near, &end), end)
+        (merit.value(self.model, &touches(&self.near, &end), &end), end)
     }
 }
 

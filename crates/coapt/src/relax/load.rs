@@ -1,7 +1,9 @@
 //! The total force on every vertex, its tangent and the solver's merit function.
 
 use crate::Vec3;
-use crate::contact::{pairs::Pair, penalty, surface::face_area_mm2};
+use crate::contact::pairs::Pair;
+use crate::contact::touch::{Touch, touches};
+use crate::contact::{penalty, surface::face_area_mm2};
 use crate::energy::{BlockSink, Curvature, bending, bilinear_spring, chord, pressure};
 use crate::model::Model;
 
@@ -9,17 +11,17 @@ use crate::model::Model;
 /// equilibrium; on prescribed ones, the force that the support must supply.
 pub fn gradient(model: &Model, pairs: &[Pair], positions_mm: &[Vec3]) -> Vec<Vec3> {
     let mut gradient = vec![Vec3::zeros(); positions_mm.len()];
-    gradient_into(model, pairs, positions_mm, &mut gradient);
+    gradient_into(model, &touches(pairs, positions_mm), positions_mm, &mut gradient);
     gradient
 }
 
-/// As [`gradient`], into a vector that is there already.
-pub fn gradient_into(model: &Model, pairs: &[Pair], positions_mm: &[Vec3], gradient: &mut [Vec3]) {
+/// As [`gradient`], given the pairs that touch, into a vector that is there already.
+pub fn gradient_into(model: &Model, touches: &[Touch], positions_mm: &[Vec3], gradient: &mut [Vec3]) {
     gradient.fill(Vec3::zeros());
     bilinear_spring::add_gradient(&model.springs, positions_mm, gradient);
     bending::add_gradient(&model.hinges, positions_mm, gradient);
     chord::add_gradient(&model.chords, positions_mm, gradient);
-    penalty::add_gradient(pairs, model.contact.stiffness_mpa, positions_mm, gradient);
+    penalty::add_gradient(touches, model.contact.stiffness_mpa, positions_mm, gradient);
     pressure::add_gradient(&model.faces, model.pressure_mpa, positions_mm, gradient);
 }
 
@@ -32,8 +34,23 @@ pub fn add_elastic_tangent(
     curvature: Curvature,
     sink: &mut impl BlockSink,
 ) {
-    bilinear_spring::add_hessian(&model.springs, positions_mm, curvature, sink);
+    add_constant_tangent(model, sink);
+    add_varying_tangent(model, positions_mm, curvature, sink);
+}
+
+/// The part of [`add_elastic_tangent`] that is the same for all positions, multiples of the identity: bending.
+pub fn add_constant_tangent(model: &Model, sink: &mut impl BlockSink) {
     bending::add_hessian(&model.hinges, sink);
+}
+
+/// The rest of [`add_elastic_tangent`].
+pub fn add_varying_tangent(
+    model: &Model,
+    positions_mm: &[Vec3],
+    curvature: Curvature,
+    sink: &mut impl BlockSink,
+) {
+    bilinear_spring::add_hessian(&model.springs, positions_mm, curvature, sink);
     chord::add_hessian(&model.chords, positions_mm, curvature, sink);
     if curvature == Curvature::Exact {
         pressure::add_symmetric_tangent(&model.faces, model.pressure_mpa, positions_mm, sink);
@@ -43,12 +60,18 @@ pub fn add_elastic_tangent(
 /// Hands out the blocks of the tangent between parts in contact.
 pub fn add_contact_tangent(
     model: &Model,
-    pairs: &[Pair],
+    touches: &[Touch],
     positions_mm: &[Vec3],
     curvature: Curvature,
     sink: &mut impl BlockSink,
 ) {
-    penalty::add_hessian(pairs, model.contact.stiffness_mpa, positions_mm, curvature, sink);
+    penalty::add_hessian(
+        touches,
+        model.contact.stiffness_mpa,
+        positions_mm,
+        curvature,
+        sink,
+    );
 }
 
 /// A function whose gradient at the point it was made for is the true one, pressure included, so that a line
@@ -83,7 +106,7 @@ impl Merit {
     }
 
     /// Its value [N·mm].
-    pub fn value(&self, model: &Model, pairs: &[Pair], positions_mm: &[Vec3]) -> f64 {
+    pub fn value(&self, model: &Model, touches: &[Touch], positions_mm: &[Vec3]) -> f64 {
         let moved = positions_mm.iter().zip(&self.origin_mm);
         let linear: f64 = moved
             .zip(&self.linear_n)
@@ -92,7 +115,7 @@ impl Merit {
         bilinear_spring::energy(&model.springs, positions_mm)
             + bending::energy(&model.hinges, positions_mm)
             + chord::energy(&model.chords, positions_mm)
-            + penalty::energy(pairs, model.contact.stiffness_mpa, positions_mm)
+            + penalty::energy(touches, model.contact.stiffness_mpa, positions_mm)
             + pressure::potential(&model.faces, model.pressure_mpa, self.apex_mm, positions_mm)
             + linear
     }

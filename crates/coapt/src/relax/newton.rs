@@ -16,6 +16,7 @@ use crate::contact::gather::{PairList, longest_mm};
 use crate::contact::pairs::{Pair, Place, rigid_fraction};
 use crate::contact::step_bound;
 use crate::contact::surface::Surface;
+use crate::contact::touch::{Touch, touches_into};
 use crate::energy::Curvature;
 use crate::model::{Model, Prescribed};
 
@@ -65,6 +66,9 @@ pub(super) struct Newton<'a> {
     pairs: PairList,
     /// The pairs that may touch where the valve now is.
     pub(super) near: Vec<Pair>,
+    /// Those that do.
+    pub(super) touches: Vec<Touch>,
+    trial_touches: Vec<Touch>,
     pub(super) system: System<'a>,
     /// Where the prescribed vertices go: as in the model, or as an edit has moved them.
     pub(super) prescribed: Vec<Prescribed>,
@@ -104,6 +108,8 @@ impl<'a> Newton<'a> {
             surface,
             pairs: PairList::default(),
             near: Vec::new(),
+            touches: Vec::new(),
+            trial_touches: Vec::new(),
             reference_force_n: load::reference_force_n(model),
             step_limit_mm,
             least_damping: LEAST_DAMPING * damping,
@@ -180,7 +186,8 @@ impl<'a> Newton<'a> {
         self.step.fill(Vec3::zeros());
         let place = place(self.model, &self.surface, positions);
         self.pairs.gather(&place, &self.step, &mut self.near);
-        load::gradient_into(self.model, &self.near, positions, &mut self.gradient);
+        touches_into(&self.near, positions, &mut self.touches);
+        load::gradient_into(self.model, &self.touches, positions, &mut self.gradient);
     }
 
     /// Largest force on a free vertex over the mean nodal pressure force [1].
@@ -270,7 +277,8 @@ impl<'a> Newton<'a> {
             motion_mm: &self.motion,
             right_n: &mut self.right,
         });
-        self.system.assemble(&self.near, positions, curvature, moved);
+        self.system
+            .assemble(&self.near, &self.touches, positions, curvature, moved);
     }
 
     /// Makes the force on the free vertices the right-hand side.
@@ -307,7 +315,13 @@ impl<'a> Newton<'a> {
         for _ in 0..TRIALS {
             self.trial.copy_from_slice(positions);
             advance(&mut self.trial, &self.step, fraction);
-            load::gradient_into(self.model, &self.near, &self.trial, &mut self.trial_gradient);
+            touches_into(&self.near, &self.trial, &mut self.trial_touches);
+            load::gradient_into(
+                self.model,
+                &self.trial_touches,
+                &self.trial,
+                &mut self.trial_gradient,
+            );
             let there = self.slope(&self.trial_gradient);
             let good = slope < 0.0 && there <= -self.overshoot * slope;
             let strict = self.overshoot == STRICT_OVERSHOOT;
@@ -318,6 +332,7 @@ impl<'a> Newton<'a> {
                         || self.falls(&mut fall_from, positions)))
             {
                 std::mem::swap(positions, &mut self.trial);
+                std::mem::swap(&mut self.touches, &mut self.trial_touches);
                 std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
                 return fraction;
             }
@@ -331,10 +346,10 @@ impl<'a> Newton<'a> {
     fn falls(&self, fall_from: &mut Option<(Merit, f64)>, positions: &[Vec3]) -> bool {
         let (merit, before) = fall_from.get_or_insert_with(|| {
             let merit = Merit::new(self.model, positions);
-            let before = merit.value(self.model, &self.near, positions);
+            let before = merit.value(self.model, &self.touches, positions);
             (merit, before)
         });
-        merit.value(self.model, &self.near, &self.trial) < *before
+        merit.value(self.model, &self.trial_touches, &self.trial) < *before
     }
 
     /// Slope along the step: minus the work of the force on the free vertices [N·mm].

@@ -2,10 +2,12 @@
 
 use super::block_matrix::BlockMatrix;
 use super::cholesky::{Factor, Symbolic};
+use super::elastic::{Elastic, PRESCRIBED};
 use super::krylov::Krylov;
 use super::load;
 use crate::contact::pairs::{Pair, PairKind};
 use crate::contact::surface::Surface;
+use crate::contact::touch::Touch;
 use crate::energy::{BlockSink, Curvature, pressure};
 use crate::model::Model;
 use crate::{Mat3, Vec3};
@@ -35,20 +37,14 @@ pub(super) struct System<'a> {
     factor: Factor,
     /// μ of the present factor [MPa/mm].
     pub(super) damping: f64,
-    /// The places of the blocks of springs, bending, chordae and pressure, in the order in which these hand them out, as
-    /// free indices; and where in the matrix they go.
-    handed_out: Vec<[u32; 2]>,
-    slots: Vec<u32>,
-    /// Those places between free vertices, each once.
-    elastic_places: Vec<[u32; 2]>,
+    elastic: Elastic,
+    /// Where its blocks go.
+    elastic_slots: Vec<u32>,
     shift: Vec<f64>,
     krylov: Krylov,
     direction: Vec<Vec3>,
     turned: Vec<Vec3>,
 }
-
-/// Marks a vertex without a free index, and a block that no free vertex sees.
-const PRESCRIBED: u32 = u32::MAX;
 
 impl<'a> System<'a> {
     pub(super) fn new(model: &'a Model, surface: &Surface) -> Self {
@@ -69,9 +65,8 @@ impl<'a> System<'a> {
             is_analysed: false,
             factor: Factor::default(),
             damping: 0.0,
-            handed_out: Vec::new(),
-            slots: Vec::new(),
-            elastic_places: Vec::new(),
+            elastic: Elastic::new(model, &free_index, free.len()),
+            elastic_slots: Vec::new(),
             shift: vec![0.0; free.len()],
             krylov: Krylov::default(),
             direction: vec![Vec3::zeros(); model.rest_mm.len()],
@@ -79,7 +74,6 @@ impl<'a> System<'a> {
             free,
             free_index,
         };
-        system.find_elastic_places();
         system.make_pattern(&[], &[]);
         system
     }
@@ -89,28 +83,42 @@ impl<'a> System<'a> {
     pub(super) fn assemble(
         &mut self,
         near: &[Pair],
+        touches: &[Touch],
         positions: &[Vec3],
         curvature: Curvature,
         mut moved: Option<Moved>,
     ) {
-        if !self.has_places_for(near, positions) {
+        let (model, free_index) = (self.model, &self.free_index);
+        self.elastic
+            .fill(model, free_index, positions, curvature, &mut moved);
+        if !self.add_up(touches, positions, curvature, &mut moved) {
             self.make_pattern(near, positions);
+            // The right-hand side has had its share.
+            self.add_up(touches, positions, curvature, &mut None);
         }
+        self.analyse();
+    }
+
+    /// Adds contact to the elastic part; false if the pattern lacks a place for it.
+    fn add_up(
+        &mut self,
+        touches: &[Touch],
+        positions: &[Vec3],
+        curvature: Curvature,
+        moved: &mut Option<Moved>,
+    ) -> bool {
         self.matrix.clear();
-        let mut sink = Replay {
-            slots: &self.slots,
-            free_index: &self.free_index,
-            matrix: &mut self.matrix,
-            moved: &mut moved,
-        };
-        load::add_elastic_tangent(self.model, positions, curvature, &mut sink);
+        for (block, &slot) in self.elastic.matrix.blocks.iter().zip(&self.elastic_slots) {
+            self.matrix.blocks[slot as usize] = *block;
+        }
         let mut sink = Search {
             free_index: &self.free_index,
             matrix: &mut self.matrix,
-            moved: &mut moved,
+            moved,
+            lacks_place: false,
         };
-        load::add_contact_tangent(self.model, near, positions, curvature, &mut sink);
-        self.analyse();
+        load::add_contact_tangent(self.model, touches, positions, curvature, &mut sink);
+        !sink.lacks_place
     }
 
     /// A third of the blocks that contact has room for are zero, closest points being mostly on edges and vertices. In a
@@ -125,20 +133,10 @@ impl<'a> System<'a> {
         self.is_analysed = true;
     }
 
-    fn has_places_for(&self, near: &[Pair], positions: &[Vec3]) -> bool {
-        near.iter()
-            .filter(|pair| is_nearer(pair, positions, 1.0))
-            .all(|pair| {
-                let index = pair.vertices.map(|vertex| self.free_index[vertex as usize]);
-                let has_place = |place: [u32; 2]| self.matrix.slot(place[0], place[1]).is_some();
-                couplings(pair.kind, index).into_iter().flatten().all(has_place)
-            })
-    }
-
     /// Makes a pattern for the pairs that touch or nearly do. That of the last pattern is kept while it is little more
     /// than what is needed now: contact goes back and forth.
     fn make_pattern(&mut self, near: &[Pair], positions: &[Vec3]) {
-        let mut places = self.elastic_places.clone();
+        let mut places: Vec<[u32; 2]> = self.elastic.matrix.places().collect();
         for pair in near
             .iter()
             .filter(|pair| is_nearer(pair, positions, PATTERN_MARGIN))
@@ -147,46 +145,13 @@ impl<'a> System<'a> {
             places.extend(couplings(pair.kind, index).into_iter().flatten());
         }
         let mut matrix = BlockMatrix::with_pattern(self.free.len(), &places);
-        let needed = matrix.rows.len();
         if !self.matrix.rows.is_empty() {
-            places.extend(self.matrix.places());
-            let united = BlockMatrix::with_pattern(self.free.len(), &places);
-            if united.rows.len() as f64 <= PATTERN_EXCESS * needed as f64 {
-                matrix = united;
-            }
+            let limit = PATTERN_EXCESS * matrix.rows.len() as f64;
+            matrix.unite(&self.matrix, limit as usize);
         }
         self.matrix = matrix;
         self.is_analysed = false;
-        self.find_slots();
-    }
-
-    fn find_elastic_places(&mut self) {
-        let mut places = Vec::new();
-        let free_index = &self.free_index;
-        let mut sink = |row: u32, column: u32, _: &Mat3| {
-            places.push([free_index[row as usize], free_index[column as usize]]);
-        };
-        // Places do not depend on positions.
-        load::add_elastic_tangent(self.model, &self.model.rest_mm, Curvature::Exact, &mut sink);
-        self.handed_out = places;
-        let free = self
-            .handed_out
-            .iter()
-            .filter(|place| !place.contains(&PRESCRIBED));
-        let elastic: Vec<[u32; 2]> = free.copied().collect();
-        self.elastic_places = BlockMatrix::with_pattern(self.free.len(), &elastic)
-            .places()
-            .collect();
-    }
-
-    fn find_slots(&mut self) {
-        let matrix = &self.matrix;
-        let slot = |&[i, j]: &[u32; 2]| match i == PRESCRIBED || j == PRESCRIBED {
-            true => PRESCRIBED,
-            false => matrix.slot(i, j).map_or(PRESCRIBED, |slot| slot as u32),
-        };
-        self.slots.clear();
-        self.slots.extend(self.handed_out.iter().map(slot));
+        self.elastic_slots = self.elastic.matrix.slots_in(&self.matrix);
     }
 
     /// Factorises with a damping; false unless the matrix is positive definite.
@@ -263,35 +228,11 @@ pub(super) struct Moved<'a> {
 }
 
 impl Moved<'_> {
-    fn take(&mut self, [row, column]: [u32; 2], [i, j]: [u32; 2], block: &Mat3) {
+    pub(super) fn take(&mut self, [row, column]: [u32; 2], [i, j]: [u32; 2], block: &Mat3) {
         match (i == PRESCRIBED, j == PRESCRIBED) {
             (false, true) => self.right_n[i as usize] -= block * self.motion_mm[column as usize],
             (true, false) => self.right_n[j as usize] -= block.tr_mul(&self.motion_mm[row as usize]),
             _ => {}
-        }
-    }
-}
-
-/// Puts blocks that come in a known order where they belong.
-struct Replay<'a, 'b> {
-    slots: &'a [u32],
-    free_index: &'a [u32],
-    matrix: &'a mut BlockMatrix,
-    moved: &'a mut Option<Moved<'b>>,
-}
-
-impl BlockSink for Replay<'_, '_> {
-    #[inline]
-    fn add(&mut self, row: u32, column: u32, block: &Mat3) {
-        let Some((&slot, rest)) = self.slots.split_first() else {
-            return;
-        };
-        self.slots = rest;
-        let index = [self.free_index[row as usize], self.free_index[column as usize]];
-        if slot != PRESCRIBED {
-            self.matrix.add_at(slot as usize, index[0] < index[1], block);
-        } else if let Some(moved) = self.moved {
-            moved.take([row, column], index, block);
         }
     }
 }
@@ -301,6 +242,7 @@ struct Search<'a, 'b> {
     free_index: &'a [u32],
     matrix: &'a mut BlockMatrix,
     moved: &'a mut Option<Moved<'b>>,
+    lacks_place: bool,
 }
 
 impl BlockSink for Search<'_, '_> {
@@ -308,8 +250,9 @@ impl BlockSink for Search<'_, '_> {
     fn add(&mut self, row: u32, column: u32, block: &Mat3) {
         let index = [self.free_index[row as usize], self.free_index[column as usize]];
         if index[0] != PRESCRIBED && index[1] != PRESCRIBED {
-            if let Some(slot) = self.matrix.slot(index[0], index[1]) {
-                self.matrix.add_at(slot, index[0] < index[1], block);
+            match self.matrix.slot(index[0], index[1]) {
+                Some(slot) => self.matrix.add_at(slot, index[0] < index[1], block),
+                None => self.lacks_place = true,
             }
         } else if let Some(moved) = self.moved {
             moved.take([row, column], index, block);

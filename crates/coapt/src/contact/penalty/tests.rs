@@ -3,6 +3,7 @@
 
 use super::{add_gradient, add_hessian, energy};
 use crate::contact::pairs::{Pair, PairKind};
+use crate::contact::touch::{Touch, touches};
 use crate::energy::Curvature;
 use crate::{Mat3, Vec3};
 use nalgebra::{DMatrix, DVector};
@@ -22,14 +23,13 @@ fn pair(kind: PairKind, parallel_limit_mm4: f64) -> Pair {
     }
 }
 
+fn touch(pair: &Pair, positions: &[Vec3]) -> Vec<Touch> {
+    touches(std::slice::from_ref(pair), positions)
+}
+
 fn gradient(pair: &Pair, positions: &[Vec3]) -> DVector<f64> {
     let mut gradient = vec![Vec3::zeros(); 4];
-    add_gradient(
-        std::slice::from_ref(pair),
-        STIFFNESS_MPA,
-        positions,
-        &mut gradient,
-    );
+    add_gradient(&touch(pair, positions), STIFFNESS_MPA, positions, &mut gradient);
     DVector::from_iterator(12, gradient.iter().flat_map(|g| g.iter().copied()))
 }
 
@@ -44,8 +44,13 @@ fn hessian(pair: &Pair, positions: &[Vec3], curvature: Curvature) -> DMatrix<f64
             place += block.transpose();
         }
     };
-    let pairs = std::slice::from_ref(pair);
-    add_hessian(pairs, STIFFNESS_MPA, positions, curvature, &mut sink);
+    add_hessian(
+        &touch(pair, positions),
+        STIFFNESS_MPA,
+        positions,
+        curvature,
+        &mut sink,
+    );
     hessian
 }
 
@@ -71,7 +76,7 @@ fn assert_derivatives(name: &str, pair: &Pair, corners: [[f64; 3]; 4]) {
             moved[k / 3][k % 3] += step;
             moved
         });
-        let value = |at: &[Vec3]| energy(std::slice::from_ref(pair), STIFFNESS_MPA, at);
+        let value = |at: &[Vec3]| energy(&touch(pair, at), STIFFNESS_MPA, at);
         let difference = (value(&ahead) - value(&behind)) / (2.0 * STEP) - slope[k];
         assert!(
             difference.abs() <= 1e-6 * slope.amax(),
