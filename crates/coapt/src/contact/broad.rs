@@ -49,7 +49,7 @@ const LANES: usize = 8;
 
 impl SweepAndPrune {
     /// Every two of some boxes that overlap, each two once, in an order that the boxes alone decide.
-    pub fn among(&mut self, boxes: &[Box3]) -> &[[u32; 2]] {
+    pub fn among(&mut self, boxes: &[Box3]) -> &mut Vec<[u32; 2]> {
         let frame = Frame::new(boxes, &[]);
         frame.deal_out(boxes, &mut self.keys, &mut self.ones);
         self.found.clear();
@@ -57,11 +57,11 @@ impl SweepAndPrune {
             strips: &self.ones[..frame.count],
             found: &mut self.found,
         });
-        &self.found
+        &mut self.found
     }
 
     /// Every box of one kind that overlaps one of another kind: one, other.
-    pub fn between(&mut self, ones: &[Box3], others: &[Box3]) -> &[[u32; 2]] {
+    pub fn between(&mut self, ones: &[Box3], others: &[Box3]) -> &mut Vec<[u32; 2]> {
         let frame = Frame::new(ones, others);
         frame.deal_out(ones, &mut self.keys, &mut self.ones);
         frame.deal_out(others, &mut self.keys, &mut self.others);
@@ -71,8 +71,19 @@ impl SweepAndPrune {
             others: &self.others[..frame.count],
             found: &mut self.found,
         });
-        &self.found
+        &mut self.found
     }
+}
+
+/// Keeps the pairs that are wanted; without a branch on each, since it cannot be foreseen.
+pub fn keep(pairs: &mut Vec<[u32; 2]>, is_wanted: impl Fn([u32; 2]) -> bool) {
+    let mut kept = 0;
+    for index in 0..pairs.len() {
+        let pair = pairs[index];
+        pairs[kept] = pair;
+        kept += usize::from(is_wanted(pair));
+    }
+    pairs.truncate(kept);
 }
 
 /// Where the boxes are, and how they are divided.
@@ -217,21 +228,20 @@ impl Strip {
             let (ends_across, ends_third) = (lanes(&self.high[1]), lanes(&self.high[2]));
             let mut overlaps = [0_u32; LANES];
             for (lane, overlaps) in overlaps.iter_mut().enumerate() {
-                *overlaps = u32::from(
-                    (begins[lane] <= end)
-                        & (across[lane] <= high_across)
-                        & (across[lane] >= least)
-                        & (ends_across[lane] >= low_across)
-                        & (third[lane] <= high_third)
-                        & (ends_third[lane] >= low_third),
-                );
+                let is_overlap = (begins[lane] <= end)
+                    & (across[lane] <= high_across)
+                    & (across[lane] >= least)
+                    & (ends_across[lane] >= low_across)
+                    & (third[lane] <= high_third)
+                    & (ends_third[lane] >= low_third);
+                *overlaps = u32::from(is_overlap) << lane;
             }
-            if overlaps != [0; LANES] {
-                for (other, overlaps) in (place..).zip(overlaps) {
-                    if overlaps != 0 {
-                        tell(strip.indices[one], self.indices[other]);
-                    }
-                }
+            // One bit a lane: which of them overlap cannot be foreseen, so nothing branches on each.
+            let mut left = overlaps.iter().fold(0, |bits, bit| bits | bit);
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize;
+                tell(strip.indices[one], self.indices[place + lane]);
+                left &= left - 1;
             }
             place += LANES;
         }

@@ -1,6 +1,6 @@
 //! The exact test whether mid-surfaces cross.
 
-use super::broad::{Box3, SweepAndPrune};
+use super::broad::{Box3, SweepAndPrune, keep};
 use super::surface::Surface;
 use crate::Vec3;
 use robust::{Coord3D, orient3d};
@@ -22,16 +22,20 @@ pub fn crossings(surface: &Surface, positions_mm: &[Vec3]) -> Vec<Crossing> {
     let edge_boxes: Vec<Box3> = edges.iter().map(|edge| Box3::around(edge.map(at), 0.0)).collect();
     let face_boxes: Vec<Box3> = faces.iter().map(|face| Box3::around(face.map(at), 0.0)).collect();
     let mut sweep = SweepAndPrune::default();
-    let near = sweep.between(&edge_boxes, &face_boxes).iter();
+    let are_apart = |[edge, face]: [u32; 2]| {
+        let [p, q] = edges[edge as usize];
+        let face = &faces[face as usize];
+        !face.contains(&p) && !face.contains(&q)
+    };
+    let near = sweep.between(&edge_boxes, &face_boxes);
+    keep(near, are_apart);
     let mut found: Vec<Crossing> = near
+        .iter()
         .map(|&[edge, face]| Crossing {
             edge: edges[edge as usize],
             face,
         })
-        .filter(|&Crossing { edge, face }| {
-            let face = faces[face as usize];
-            !edge.iter().any(|vertex| face.contains(vertex)) && edge_meets_face(edge, face, positions_mm)
-        })
+        .filter(|&Crossing { edge, face }| edge_meets_face(edge, faces[face as usize], positions_mm))
         .collect();
     found.sort_unstable();
     found

@@ -5,7 +5,7 @@
 //! each other, which is little while the valve swings. For all others, found by sweep and prune, the bound is how far
 //! vertices move at all; where that is much they are found for the step alone, each box grown by its own part's motion.
 
-use super::broad::{Box3, SweepAndPrune};
+use super::broad::{Box3, SweepAndPrune, keep};
 use super::listing::Listing;
 use super::pairs::{Pair, PairKind, Place, approach_squared_mm2, nearest_at, pair_at_rest};
 use crate::Vec3;
@@ -63,12 +63,12 @@ impl PairList {
                 return;
             }
             listing.begin(place.positions_mm, budget_mm);
+            let most_mm = 2.0 * budget_mm;
             self.search.within(
                 place,
                 |_| budget_mm,
-                |parts, are_near_at_rest| {
-                    listing.list(place, parts, are_near_at_rest, 2.0 * budget_mm);
-                },
+                |_, _| most_mm,
+                |parts, are_near_at_rest| listing.list(place, parts, are_near_at_rest, most_mm),
             );
             moved_mm = listing.follow(place, step_mm, longest_mm);
         }
@@ -91,60 +91,66 @@ impl Search {
         // What all vertices do together brings none nearer.
         let mean_mm = step_mm.iter().sum::<Vec3>() / step_mm.len().max(1) as f64;
         let motion_mm = |vertex: u32| (step_mm[vertex as usize] - mean_mm).norm();
-        self.within(
-            place,
-            motion_mm,
-            |(kind, vertices, area_mm2), are_near_at_rest| {
-                let activation_mm = match are_near_at_rest {
-                    true => place.longest_of_neighbours_mm(),
-                    false => place.thickness_mm,
-                };
-                let approach_mm = approach_squared_mm2(kind, &vertices, step_mm).sqrt();
-                let nearest = nearest_at(kind, &vertices, place.positions_mm);
-                let squared = nearest.separation_mm.norm_squared();
-                if squared > (activation_mm + approach_mm).powi(2) {
-                    return;
-                }
-                let pair = match are_near_at_rest {
-                    true => pair_at_rest(place, kind, vertices, area_mm2),
-                    false => place.pair_of_strangers(kind, vertices, area_mm2),
-                };
-                if squared <= (pair.activation_mm + approach_mm).powi(2) {
+        let approach_mm =
+            |kind: PairKind, vertices: &[u32; 4]| approach_squared_mm2(kind, vertices, step_mm).sqrt();
+        self.within(place, motion_mm, approach_mm, |parts, are_near_at_rest| {
+            let (kind, vertices, area_mm2) = parts;
+            if are_near_at_rest {
+                let pair = pair_at_rest(place, kind, vertices, area_mm2);
+                if may_touch(&pair, place.positions_mm, step_mm) {
                     found.push(pair);
                 }
-            },
-        );
+            } else {
+                found.push(place.pair_of_strangers(kind, vertices, area_mm2));
+            }
+        });
     }
 
-    /// Visits all pairs that may be within the thickness after each vertex has moved so far [mm], those whose faces share a
-    /// vertex left out: kind, vertices, area [mm²], and whether their faces are near at rest.
+    /// Visits all pairs that may be within the thickness after each vertex has moved so far and the two parts have come
+    /// nearer by so much [mm], those whose faces share a vertex left out: kind, vertices, area [mm²], and whether their
+    /// faces are near at rest.
     fn within(
         &mut self,
         place: &Place,
         motion_mm: impl Fn(u32) -> f64,
+        approach_mm: impl Fn(PairKind, &[u32; 4]) -> f64,
         mut visit: impl FnMut((PairKind, [u32; 4], f64), bool),
     ) {
         self.box_parts(place, motion_mm);
         let surface = place.surface;
-        let (faces, edges) = (&surface.faces, &surface.edges);
-        let mut visit = |[f, g]: [u32; 2], parts: (PairKind, [u32; 4], f64)| {
-            if !share_vertex(&faces[f as usize], &faces[g as usize]) {
-                visit(parts, place.are_near_at_rest(f, g));
-            }
+        let is_in_reach = |kind: PairKind, vertices: &[u32; 4], faces: [u32; 2]| {
+            let reach_mm = place.farthest_mm(faces) + approach_mm(kind, vertices);
+            let nearest = nearest_at(kind, vertices, place.positions_mm);
+            nearest.separation_mm.norm_squared() <= reach_mm * reach_mm
         };
-        for &[point, face] in self.sweep.between(&self.point_boxes, &self.face_boxes) {
-            let vertex = surface.points[point as usize];
-            let [a, b, c] = faces[face as usize];
-            let area_mm2 = surface.point_area_mm2(vertex);
-            let parts = (PairKind::PointTriangle, [vertex, a, b, c], area_mm2);
-            visit([surface.vertex_face[vertex as usize], face], parts);
+        let near = self.sweep.between(&self.point_boxes, &self.face_boxes);
+        keep(near, |pair| surface.are_apart(surface.faces_of_point(pair)));
+        keep(near, |pair| {
+            let vertices = surface.point_and_face(pair);
+            is_in_reach(PairKind::PointTriangle, &vertices, surface.faces_of_point(pair))
+        });
+        for &pair in &*near {
+            let vertices = surface.point_and_face(pair);
+            let parts = (
+                PairKind::PointTriangle,
+                vertices,
+                surface.point_area_mm2(vertices[0]),
+            );
+            visit(parts, place.are_near_at_rest(surface.faces_of_point(pair)));
         }
-        for pair in self.sweep.among(&self.edge_boxes) {
-            let [first, second] = pair.map(|edge| edge as usize);
-            let ([a, b], [c, d]) = (edges[first], edges[second]);
-            let area_mm2 = surface.edge_pair_area_mm2(first, second);
-            let parts = (PairKind::EdgeEdge, [a, b, c, d], area_mm2);
-            visit([surface.edge_face[first], surface.edge_face[second]], parts);
+        let near = self.sweep.among(&self.edge_boxes);
+        keep(near, |pair| surface.are_apart(surface.faces_of_edges(pair)));
+        keep(near, |pair| {
+            let vertices = surface.ends(pair);
+            is_in_reach(PairKind::EdgeEdge, &vertices, surface.faces_of_edges(pair))
+        });
+        for &pair in &*near {
+            let parts = (
+                PairKind::EdgeEdge,
+                surface.ends(pair),
+                surface.edge_pair_area_mm2(pair),
+            );
+            visit(parts, place.are_near_at_rest(surface.faces_of_edges(pair)));
         }
     }
 
@@ -180,15 +186,6 @@ pub(super) fn may_touch(pair: &Pair, positions_mm: &[Vec3], step_mm: &[Vec3]) ->
     let squared = pair.nearest(positions_mm).separation_mm.norm_squared();
     let approach_squared = approach_squared_mm2(pair.kind, &pair.vertices, step_mm);
     squared <= (pair.activation_mm + approach_squared.sqrt()).powi(2)
-}
-
-/// Whether two faces share a vertex; all comparisons are made, since none is likelier than others to tell.
-#[inline]
-fn share_vertex(one: &[u32; 3], other: &[u32; 3]) -> bool {
-    let [a, b, c] = *other;
-    one.iter().fold(false, |shared, &vertex| {
-        shared | (vertex == a) | (vertex == b) | (vertex == c)
-    })
 }
 
 /// The longest of some motions [mm].

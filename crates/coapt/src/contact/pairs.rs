@@ -105,11 +105,20 @@ pub fn rigid_fraction(surface: &Surface, thickness_mm: f64) -> f64 {
 impl Place<'_> {
     /// Whether some parts of two faces are nearer at rest than the distance at which neighbours could touch at the full
     /// thickness.
-    pub(super) fn are_near_at_rest(&self, f: u32, g: u32) -> bool {
+    pub(super) fn are_near_at_rest(&self, faces: [u32; 2]) -> bool {
         let [(centre, radius), (other, other_radius)] =
-            [f, g].map(|face| self.surface.rest_balls[face as usize]);
+            faces.map(|face| self.surface.rest_balls[face as usize]);
         let limit_mm = self.thickness_mm / NEIGHBOUR_FRACTION + radius + other_radius;
         (centre - other).norm_squared() < limit_mm * limit_mm
+    }
+
+    /// Parts of two faces begin to touch at this distance at most [mm].
+    #[inline]
+    pub(super) fn farthest_mm(&self, faces: [u32; 2]) -> f64 {
+        match self.are_near_at_rest(faces) {
+            true => self.longest_of_neighbours_mm(),
+            false => self.thickness_mm,
+        }
     }
 
     /// Neighbours begin to touch at this distance at most [mm].

@@ -85,8 +85,44 @@ impl Surface {
 
     /// The area that two edges stand for [mm²], by the same weights.
     #[inline]
-    pub fn edge_pair_area_mm2(&self, first: usize, second: usize) -> f64 {
-        0.125 * (self.edge_area_mm2[first] + self.edge_area_mm2[second])
+    pub fn edge_pair_area_mm2(&self, edges: [u32; 2]) -> f64 {
+        let [first, second] = edges.map(|edge| self.edge_area_mm2[edge as usize]);
+        0.125 * (first + second)
+    }
+
+    /// The vertices of a point (an index into `points`) and a face.
+    #[inline]
+    pub fn point_and_face(&self, [point, face]: [u32; 2]) -> [u32; 4] {
+        let [a, b, c] = self.faces[face as usize];
+        [self.points[point as usize], a, b, c]
+    }
+
+    /// The ends of two edges.
+    #[inline]
+    pub fn ends(&self, edges: [u32; 2]) -> [u32; 4] {
+        let [[a, b], [c, d]] = edges.map(|edge| self.edges[edge as usize]);
+        [a, b, c, d]
+    }
+
+    /// The first face of a point, an index into `points`, and a face.
+    #[inline]
+    pub fn faces_of_point(&self, [point, face]: [u32; 2]) -> [u32; 2] {
+        [self.vertex_face[self.points[point as usize] as usize], face]
+    }
+
+    /// The first faces of two edges.
+    #[inline]
+    pub fn faces_of_edges(&self, edges: [u32; 2]) -> [u32; 2] {
+        edges.map(|edge| self.edge_face[edge as usize])
+    }
+
+    /// Whether two faces share no vertex; all comparisons are made, since none is likelier than others to tell.
+    #[inline]
+    pub fn are_apart(&self, faces: [u32; 2]) -> bool {
+        let [one, [a, b, c]] = faces.map(|face| self.faces[face as usize]);
+        !one.iter().fold(false, |shared, &vertex| {
+            shared | (vertex == a) | (vertex == b) | (vertex == c)
+        })
     }
 
     fn edge_index(&self, side: [u32; 2]) -> usize {
@@ -136,7 +172,7 @@ impl Surface {
             for second in own(g) {
                 let ([a, b], [c, d]) = (self.edges[first], self.edges[second]);
                 if a != c && a != d && b != c && b != d {
-                    let area_mm2 = self.edge_pair_area_mm2(first, second);
+                    let area_mm2 = self.edge_pair_area_mm2([first as u32, second as u32]);
                     found.push((PairKind::EdgeEdge, [a, b, c, d], area_mm2));
                 }
             }
