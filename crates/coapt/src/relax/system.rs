@@ -146,15 +146,17 @@ impl<'a> System<'a> {
             let index = pair.vertices.map(|vertex| self.free_index[vertex as usize]);
             places.extend(couplings(pair.kind, index).into_iter().flatten());
         }
-        let mut matrix = BlockMatrix::with_pattern(self.free.len(), &places);
+        let mut matrix = BlockMatrix::without_blocks(self.free.len(), &places);
         let needed = matrix.rows.len();
         if !self.matrix.rows.is_empty() {
             places.extend(self.matrix.places());
-            let united = BlockMatrix::with_pattern(self.free.len(), &places);
+            let united = BlockMatrix::without_blocks(self.free.len(), &places);
             if united.rows.len() as f64 <= PATTERN_EXCESS * needed as f64 {
                 matrix = united;
             }
         }
+        // Hundreds of megabytes at 100,000 faces, which the system would have to clear again and again.
+        matrix.make_blocks(std::mem::take(&mut self.matrix.blocks));
         self.matrix = matrix;
         self.is_analysed = false;
         self.find_slots();
@@ -174,7 +176,7 @@ impl<'a> System<'a> {
             .iter()
             .filter(|place| !place.contains(&PRESCRIBED));
         let elastic: Vec<[u32; 2]> = free.copied().collect();
-        self.elastic_places = BlockMatrix::with_pattern(self.free.len(), &elastic)
+        self.elastic_places = BlockMatrix::without_blocks(self.free.len(), &elastic)
             .places()
             .collect();
     }
