@@ -16,6 +16,13 @@ pub struct BlockMatrix {
 impl BlockMatrix {
     /// A zero matrix with a full diagonal and room for the given off-diagonal places.
     pub fn with_pattern(size: usize, places: &[[u32; 2]]) -> Self {
+        let mut matrix = Self::without_blocks(size, places);
+        matrix.make_blocks(Vec::new());
+        matrix
+    }
+
+    /// As [`Self::with_pattern`], without room for the numbers.
+    pub fn without_blocks(size: usize, places: &[[u32; 2]]) -> Self {
         // Sorted by row and then, stably, by column: two counting sorts.
         let diagonal = (0..size as u32).map(|index| [index, index]);
         let lower = places.iter().map(|&[i, j]| [i.max(j), i.min(j)]);
@@ -34,12 +41,12 @@ impl BlockMatrix {
         let rows: Vec<u32> = sorted.iter().map(|&[row, _]| row).collect();
         Self {
             column_starts,
-            blocks: vec![Mat3::zeros(); rows.len()],
             rows,
+            blocks: Vec::new(),
         }
     }
 
-    /// Adds the places of another pattern to a zero matrix, unless there were more than `limit` blocks then.
+    /// Adds the places of another pattern to a matrix without blocks, unless there were more than `limit` then.
     pub fn unite(&mut self, other: &Self, limit: usize) {
         let mut united = Self {
             column_starts: vec![0],
@@ -53,10 +60,15 @@ impl BlockMatrix {
             united.column_starts.push(united.rows.len());
         }
         if united.rows.len() <= limit {
-            united.blocks = std::mem::take(&mut self.blocks);
-            united.blocks.resize(united.rows.len(), Mat3::zeros());
             *self = united;
         }
+    }
+
+    /// Makes all blocks, zero, in the room of others.
+    pub fn make_blocks(&mut self, mut room: Vec<Mat3>) {
+        room.clear();
+        room.resize(self.rows.len(), Mat3::zeros());
+        self.blocks = room;
     }
 
     /// The off-diagonal places of the pattern, each once: row, column.

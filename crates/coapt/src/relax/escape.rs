@@ -43,9 +43,11 @@ impl Newton<'_> {
     }
 
     /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in
-    /// which the tangent is most negative. False where there is no such direction.
+    /// which the tangent is most negative. False where there is no such direction; then it notes whether the balance lasts.
     pub(super) fn escape(&mut self, positions: &mut Vec<Vec3>) -> bool {
-        if self.is_stable(positions) {
+        let is_stable = self.is_stable(positions);
+        self.stable = Some(is_stable);
+        if is_stable {
             return false;
         }
         let mut direction: Vec<Vec3> = (0..self.system.free.len()).map(pseudo_random).collect();
@@ -61,6 +63,7 @@ impl Newton<'_> {
         let ways = [1.0, -1.0].map(|way| self.pushed(positions, &direction, way, &merit));
         let [(there, end_there), (back, end_back)] = ways;
         *positions = if there <= back { end_there } else { end_back };
+        self.stable = None;
         self.evaluate(positions);
         true
     }

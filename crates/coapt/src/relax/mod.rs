@@ -128,7 +128,8 @@ fn conclude(
     let model = newton.model;
     newton.evaluate(&positions);
     let residual = newton.residual(&newton.gradient);
-    let stable = newton.is_stable(&positions);
+    let stable = newton.stable.take();
+    let stable = stable.unwrap_or_else(|| newton.is_stable(&positions));
     let certificate = certify(model, &newton.surface, &newton.near, &positions, residual, stable);
     let mut reactions_n = vec![Vec3::zeros(); positions.len()];
     for prescribed in &newton.prescribed {

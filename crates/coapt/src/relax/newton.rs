@@ -77,6 +77,8 @@ pub(super) struct Newton<'a> {
     pub(super) least_damping: f64,
     /// So often the solver leaves an unstable balance of forces before it reports one.
     pub(super) escape_limit: u32,
+    /// Whether the balance that it came to lasts, where it has looked.
+    pub(super) stable: Option<bool>,
     overshoot: f64,
     crawled: u32,
     damping: f64,
@@ -114,6 +116,7 @@ impl<'a> Newton<'a> {
             step_limit_mm,
             least_damping: LEAST_DAMPING * damping,
             escape_limit: ESCAPE_LIMIT,
+            stable: None,
             overshoot: OVERSHOOT,
             crawled: 0,
             damping,
@@ -135,6 +138,7 @@ impl<'a> Newton<'a> {
         let (mut failures, mut escapes) = (0, 0);
         let (mut least_residual, mut idle) = (f64::INFINITY, 0);
         let mut last_residual = f64::INFINITY;
+        self.stable = None;
         self.evaluate(positions);
         for _ in 0..self.model.settings.iteration_limit {
             let moving = self.boundary_motion(positions);

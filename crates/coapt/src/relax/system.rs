@@ -144,11 +144,13 @@ impl<'a> System<'a> {
             let index = pair.vertices.map(|vertex| self.free_index[vertex as usize]);
             places.extend(couplings(pair.kind, index).into_iter().flatten());
         }
-        let mut matrix = BlockMatrix::with_pattern(self.free.len(), &places);
+        let mut matrix = BlockMatrix::without_blocks(self.free.len(), &places);
         if !self.matrix.rows.is_empty() {
             let limit = PATTERN_EXCESS * matrix.rows.len() as f64;
             matrix.unite(&self.matrix, limit as usize);
         }
+        // Hundreds of megabytes at 100,000 faces, which the system would have to clear again and again.
+        matrix.make_blocks(std::mem::take(&mut self.matrix.blocks));
         self.matrix = matrix;
         self.is_analysed = false;
         self.elastic_slots = self.elastic.matrix.slots_in(&self.matrix);

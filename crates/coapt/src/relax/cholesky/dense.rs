@@ -3,8 +3,9 @@
 //! Twelve rows are four blocks and three AVX registers. A tile of twelve by three keeps nine sums in registers, just
 //! enough to hide the latency of a multiply-add on two units; wider tiles spill, lower ones wait.
 
-use crate::simd::multiply_add;
-use std::cmp::Ordering;
+use super::pivot::Pivot;
+use super::shared::{self, Shared};
+use crate::simd::{Kernel, multiply_add};
 use std::ops::Range;
 
 /// Rows of a strip.
@@ -33,101 +34,67 @@ fn minus_product<const FUSED: bool>(tile: [Lane; 3], a: &[Lane], b: &[Lane], fir
     sums
 }
 
-/// The Cholesky factor of a 3×3 block, with the inverses of its diagonal.
-#[derive(Clone, Copy)]
-pub(super) struct Pivot {
-    lower: [f64; 3],
-    inverse: [f64; 3],
-}
-
-impl Pivot {
-    /// Factorises rows `first..first + 3` of a tile; nothing unless they are positive definite.
-    #[inline(always)]
-    pub(super) fn new(tile: &[Lane; 3], first: usize) -> Option<Self> {
-        assert!(first <= ROWS - 3);
-        let inverse_root = |square: f64| (square > 0.0 && square.is_finite()).then(|| 1.0 / square.sqrt());
-        let a = |row: usize, column: usize| tile[column][first + row];
-        let x = inverse_root(a(0, 0))?;
-        let (l10, l20) = (a(1, 0) * x, a(2, 0) * x);
-        let y = inverse_root(a(1, 1) - l10 * l10)?;
-        let l21 = (a(2, 1) - l20 * l10) * y;
-        let z = inverse_root(a(2, 2) - l20 * l20 - l21 * l21)?;
-        Some(Self {
-            lower: [l10, l20, l21],
-            inverse: [x, y, z],
-        })
-    }
-
-    /// tile L⁻ᵀ.
-    #[inline(always)]
-    fn divide<const FUSED: bool>(&self, tile: [Lane; 3]) -> [Lane; 3] {
-        let ([l10, l20, l21], [x, y, z]) = (self.lower, self.inverse);
-        let [mut first, mut second, mut third] = tile;
-        for row in 0..ROWS {
-            let a = first[row] * x;
-            let b = multiply_add::<FUSED>(-l10, a, second[row]) * y;
-            let c = multiply_add::<FUSED>(-l21, b, multiply_add::<FUSED>(-l20, a, third[row])) * z;
-            (first[row], second[row], third[row]) = (a, b, c);
-        }
-        [first, second, third]
-    }
-
-    /// Stores the factor in rows `first..first + 3` of its tile, the diagonal inverted, and zeros above.
-    #[inline(always)]
-    pub(super) fn store(&self, tile: &mut [Lane; 3], first: usize) {
-        let ([l10, l20, l21], [x, y, z]) = (self.lower, self.inverse);
-        for (lane, column) in tile.iter_mut().zip([[x, l10, l20], [0.0, y, l21], [0.0, 0.0, z]]) {
-            lane[..first].fill(0.0);
-            lane[first..first + 3].copy_from_slice(&column);
-        }
-    }
-}
-
 /// Factorises a panel of `width` columns in strips, those of its triangle first; says which pivot is not positive.
 #[inline(always)]
 pub(super) fn factor_panel<const FUSED: bool>(panel: &mut [Lane], width: usize) -> Result<(), usize> {
     for start in (0..width).step_by(CHUNK) {
-        let end = width.min(start + CHUNK);
-        let below = &mut panel[start / ROWS * width..];
+        let columns = start..width.min(start + CHUNK);
+        let strips = &mut panel[start / ROWS * width..];
+        let (own, below) = strips.split_at_mut(columns.len().div_ceil(ROWS) * width);
         for chunk in (0..start).step_by(CHUNK) {
-            subtract_chunk::<FUSED>(below, width, chunk, start..end);
+            subtract_own::<FUSED>(own, width, chunk, columns.clone());
         }
-        factor_chunk::<FUSED>(below, width, start..end)?;
+        factor_own::<FUSED>(own, width, columns.clone())?;
+        shared::run::<FUSED, _>(Below {
+            own,
+            strips: below,
+            width,
+            columns,
+        });
     }
     Ok(())
 }
 
-/// Takes from some columns of strips what a chunk of columns before them brings; the first strips are those columns'.
+/// Takes from the strips of some columns what a chunk of columns before them brings.
 #[inline(always)]
-fn subtract_chunk<const FUSED: bool>(strips: &mut [Lane], width: usize, chunk: usize, columns: Range<usize>) {
-    for strip in 0..strips.len() / width {
-        let (head, rest) = strips.split_at_mut(strip * width);
-        let (left, right) = rest[..width].split_at_mut(columns.start);
+fn subtract_own<const FUSED: bool>(own: &mut [Lane], width: usize, chunk: usize, columns: Range<usize>) {
+    for (index, start) in columns.clone().step_by(ROWS).enumerate() {
+        let (above, rest) = own.split_at_mut(index * width);
+        let strip = &mut rest[..width];
+        subtract_chunk::<FUSED>(above, strip, width, chunk, columns.start..start);
+        let (left, right) = strip.split_at_mut(start);
         let a = &left[chunk..chunk + CHUNK];
-        let tiles = right.as_chunks_mut::<3>().0.iter_mut();
-        for (tile, column) in tiles.zip((0..columns.len()).step_by(3)) {
-            let own = column / ROWS;
-            let b = match own.cmp(&strip) {
-                Ordering::Less => &head[own * width + chunk..][..CHUNK],
-                Ordering::Equal => a,
-                // Above the diagonal.
-                Ordering::Greater => break,
-            };
-            *tile = minus_product::<FUSED>(*tile, a, b, column % ROWS);
+        let tiles = right[..ROWS.min(columns.end - start)].as_chunks_mut::<3>();
+        for (tile, first) in tiles.0.iter_mut().zip((0..ROWS).step_by(3)) {
+            *tile = minus_product::<FUSED>(*tile, a, a, first);
         }
     }
 }
 
-/// Factorises some columns of strips, to which nothing is left to be brought by columns before them.
+/// Takes from some columns of a strip what a chunk of columns before them brings; `own` are those columns' strips.
 #[inline(always)]
-fn factor_chunk<const FUSED: bool>(
-    strips: &mut [Lane],
+fn subtract_chunk<const FUSED: bool>(
+    own: &[Lane],
+    strip: &mut [Lane],
     width: usize,
+    chunk: usize,
     columns: Range<usize>,
-) -> Result<(), usize> {
+) {
+    let (left, right) = strip.split_at_mut(columns.start);
+    let a = &left[chunk..chunk + CHUNK];
+    let tiles = right.as_chunks_mut::<3>().0.iter_mut();
+    for (tile, column) in tiles.zip((0..columns.len()).step_by(3)) {
+        let b = &own[column / ROWS * width + chunk..][..CHUNK];
+        *tile = minus_product::<FUSED>(*tile, a, b, column % ROWS);
+    }
+}
+
+/// Factorises the strips of some columns, to which nothing is left to be brought by columns before them.
+#[inline(always)]
+fn factor_own<const FUSED: bool>(own: &mut [Lane], width: usize, columns: Range<usize>) -> Result<(), usize> {
     for column in (0..columns.len()).step_by(3) {
         let (strip, first) = (column / ROWS, column % ROWS);
-        let (head, below) = strips.split_at_mut((strip + 1) * width);
+        let (head, below) = own.split_at_mut((strip + 1) * width);
         let (left, tile) = split_tile(&mut head[strip * width + columns.start..], column);
         let sums = minus_product::<FUSED>(*tile, left, left, first);
         let pivot = Pivot::new(&sums, first).ok_or((columns.start + column) / 3)?;
@@ -148,6 +115,68 @@ fn split_tile(strip: &mut [Lane], column: usize) -> (&[Lane], &mut [Lane; 3]) {
     (left, &mut rest.as_chunks_mut::<3>().0[0])
 }
 
+/// Some columns of strips below those columns' own, which are factorised.
+struct Below<'a> {
+    own: &'a [Lane],
+    strips: &'a mut [Lane],
+    width: usize,
+    columns: Range<usize>,
+}
+
+impl Kernel for Below<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let Self {
+            own, strips, width, ..
+        } = self;
+        for chunk in (0..self.columns.start).step_by(CHUNK) {
+            for strip in strips.chunks_exact_mut(width) {
+                subtract_chunk::<FUSED>(own, strip, width, chunk, self.columns.clone());
+            }
+        }
+        for column in (0..self.columns.len()).step_by(3) {
+            let own = &own[column / ROWS * width + self.columns.start..];
+            let (left, first) = (&own[..column], column % ROWS);
+            let pivot = Pivot::load(&own[column..].as_chunks().0[0], first);
+            for strip in strips.chunks_exact_mut(width) {
+                let (a, tile) = split_tile(&mut strip[self.columns.start..], column);
+                *tile = pivot.divide::<FUSED>(minus_product::<FUSED>(*tile, a, left, first));
+            }
+        }
+    }
+}
+
+impl Shared for Below<'_> {
+    fn products(&self) -> usize {
+        let before = self.columns.start + self.columns.len() / 2;
+        products(self.strips() * self.columns.len(), before)
+    }
+
+    fn strips(&self) -> usize {
+        self.strips.len() / self.width
+    }
+
+    fn halves(self) -> (Self, Self) {
+        let middle = self.strips() / 2 * self.width;
+        let (first, second) = self.strips.split_at_mut(middle);
+        let columns = self.columns.clone();
+        let first = Self {
+            strips: first,
+            columns,
+            ..self
+        };
+        (
+            first,
+            Self {
+                strips: second,
+                ..self
+            },
+        )
+    }
+}
+
 /// update ← −P Pᵀ, in the lower triangle, for the rows P of a panel below its triangle.
 #[inline(always)]
 pub(super) fn negative_square<const FUSED: bool>(
@@ -156,18 +185,85 @@ pub(super) fn negative_square<const FUSED: bool>(
     width: usize,
     rows: usize,
 ) {
-    for start in (0..width).step_by(CHUNK) {
-        let chunk = start..width.min(start + CHUNK);
-        let mut rest = &mut *update;
-        for (strip, a) in below.chunks_exact(width).enumerate() {
-            let (target, next) = rest.split_at_mut((strip + 1) * ROWS);
-            rest = next;
-            let a = &a[chunk.clone()];
-            for (tile, column) in target.as_chunks_mut::<3>().0.iter_mut().zip((0..rows).step_by(3)) {
-                let b = &below[column / ROWS * width..][chunk.clone()];
-                let before = if start == 0 { [[0.0; ROWS]; 3] } else { *tile };
-                *tile = minus_product::<FUSED>(before, a, b, column % ROWS);
+    shared::run::<FUSED, _>(Square {
+        update,
+        below,
+        width,
+        rows,
+        strips: 0..rows.div_ceil(ROWS),
+    });
+}
+
+/// Products of two numbers that so many lanes take, one for each of `columns` in every number.
+pub(super) fn products(lanes: usize, columns: usize) -> usize {
+    lanes * ROWS * columns
+}
+
+/// Some strips of the update.
+struct Square<'a> {
+    update: &'a mut [Lane],
+    below: &'a [Lane],
+    width: usize,
+    rows: usize,
+    strips: Range<usize>,
+}
+
+impl Kernel for Square<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let Self {
+            update, below, width, ..
+        } = self;
+        for start in (0..width).step_by(CHUNK) {
+            let chunk = start..width.min(start + CHUNK);
+            let mut rest = &mut *update;
+            for strip in self.strips.clone() {
+                let (target, next) = rest.split_at_mut((strip + 1) * ROWS);
+                rest = next;
+                let a = &below[strip * width..][chunk.clone()];
+                for (tile, column) in target
+                    .as_chunks_mut::<3>()
+                    .0
+                    .iter_mut()
+                    .zip((0..self.rows).step_by(3))
+                {
+                    let b = &below[column / ROWS * width..][chunk.clone()];
+                    let before = if start == 0 { [[0.0; ROWS]; 3] } else { *tile };
+                    *tile = minus_product::<FUSED>(before, a, b, column % ROWS);
+                }
             }
         }
+    }
+}
+
+impl Shared for Square<'_> {
+    fn products(&self) -> usize {
+        products(self.update.len(), self.width)
+    }
+
+    fn strips(&self) -> usize {
+        self.strips.len()
+    }
+
+    fn halves(self) -> (Self, Self) {
+        let Range { start, end } = self.strips;
+        // Half of the lanes: a strip has as many as its index says.
+        let middle = ((start * start + end * end) as f64 / 2.0).sqrt() as usize;
+        let middle = middle.clamp(start + 1, end - 1);
+        let lanes = ROWS * (middle * (middle + 1) - start * (start + 1)) / 2;
+        let (first, second) = self.update.split_at_mut(lanes);
+        let first = Self {
+            update: first,
+            strips: start..middle,
+            ..self
+        };
+        let second = Self {
+            update: second,
+            strips: middle..end,
+            ..self
+        };
+        (first, second)
     }
 }

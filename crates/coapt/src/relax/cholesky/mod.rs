@@ -7,6 +7,8 @@
 
 mod dense;
 pub mod order;
+mod pivot;
+mod shared;
 mod solve;
 mod symbolic;
 mod tree;
@@ -56,12 +58,18 @@ impl Symbolic {
         for (stack, &size) in factor.updates.iter_mut().zip(&self.stack_sizes) {
             stack.resize(size + 1, [0.0; ROWS]);
         }
-        dispatch(Factorisation {
+        let work = Factorisation {
             symbolic: self,
             matrix,
             shift,
             factor,
-        })
+        };
+        if self.is_shared {
+            // On a thread of the pool: every hand-over from another thread would make that one wait and wake.
+            rayon::scope(|_| dispatch(work))
+        } else {
+            dispatch(work)
+        }
     }
 }
 

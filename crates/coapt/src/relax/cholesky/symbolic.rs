@@ -1,7 +1,8 @@
 //! What depends on the pattern alone: nodes, their rows, and where every number goes.
 
-use super::dense::{ROWS, SLOTS};
+use super::dense::{self, ROWS, SLOTS};
 use super::order;
+use super::shared::is_worth_sharing;
 use super::tree::{NONE, Tree, places};
 use crate::Mat3;
 use crate::relax::block_matrix::BlockMatrix;
@@ -26,6 +27,8 @@ pub struct Symbolic {
     pub(super) stack_sizes: [usize; 2],
     /// Strips of the largest triangle.
     pub(super) widest_strips: usize,
+    /// Whether any node is worth more than one thread.
+    pub(super) is_shared: bool,
     /// Indices of blocks that are taken to be zero.
     left_out: Vec<u32>,
 }
@@ -195,6 +198,8 @@ impl Symbolic {
             let stack = usize::from(node.deep);
             node.update = ends[stack]..ends[stack] + ROWS * strips * (strips + 1) / 2;
             ends[stack] = node.update.end;
+            let lanes = node.panel.len() / 2 + node.update.len();
+            self.is_shared |= is_worth_sharing(dense::products(lanes, 3 * node.width()));
             self.stack_sizes[stack] = self.stack_sizes[stack].max(ends[stack]);
         }
     }

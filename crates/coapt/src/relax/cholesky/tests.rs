@@ -234,6 +234,26 @@ fn a_large_grid_is_solved_to_rounding() {
     assert!(error < 1e-12, "{error:e}");
 }
 
+/// A grid, whose nodes leave large updates, and a dense matrix, whose only node is large.
+#[test]
+fn any_number_of_threads_gives_the_same_to_the_last_bit() {
+    let everywhere: Vec<[u32; 2]> = (0..250).flat_map(|i| (0..i).map(move |j| [i, j])).collect();
+    for matrix in [grid(100), fill(250, everywhere, &mut Numbers(6))] {
+        let symbolic = Symbolic::new(&matrix);
+        assert!(symbolic.is_shared);
+        let shift = vec![0.0; matrix.size()];
+        let panels = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let factor = pool
+                .expect("threads")
+                .install(|| symbolic.factor(&matrix, &shift));
+            factor.expect("positive definite").panels
+        };
+        let one = panels(1);
+        assert!([2, 5].into_iter().all(|threads| panels(threads) == one));
+    }
+}
+
 /// The instructions chosen for this machine and those for any agree but for rounding.
 #[test]
 fn machines_without_fused_arithmetic_get_the_same() {
