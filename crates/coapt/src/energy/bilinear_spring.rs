@@ -2,7 +2,7 @@
 //!
 //! f(l) = k₁ (l − L) up to the transition length l*, f(l*) + k₂ (l − l*) beyond it, k₀ (l − L) in compression.
 
-use super::{BlockSink, Curvature, add_line_hessian};
+use super::{BlockSink, add_line_hessian};
 use crate::Vec3;
 
 /// Leaflet springs: one per mesh edge.
@@ -76,16 +76,11 @@ pub fn add_gradient(springs: &Springs, positions_mm: &[Vec3], gradient_n: &mut [
 }
 
 /// Adds the Hessian of the energy.
-pub fn add_hessian(
-    springs: &Springs,
-    positions_mm: &[Vec3],
-    curvature: Curvature,
-    sink: &mut impl BlockSink,
-) {
+pub fn add_hessian(springs: &Springs, positions_mm: &[Vec3], sink: &mut impl BlockSink) {
     for (index, &ends) in springs.ends.iter().enumerate() {
         let offset = offset(springs, index, positions_mm);
         let (tension, tangent) = springs.tension_and_tangent(index, offset.norm());
-        add_line_hessian(ends, offset, tension, tangent, curvature, sink);
+        add_line_hessian(ends, offset, tension, tangent, sink);
     }
 }
 

@@ -3,7 +3,7 @@
 //! A rod runs between two chord points. A papillary tip or a branching is one vertex; an insertion is the weighted mean
 //! of the leaflet vertices around it, which share its pull by the same weights.
 
-use super::{BlockSink, Curvature, line_block};
+use super::{BlockSink, line_block};
 use crate::{Mat3, Vec3};
 
 /// A point as the weighted mean of vertices: vertex and weight [1], the weights adding up to one.
@@ -86,14 +86,14 @@ pub fn add_gradient(chords: &Chords, positions_mm: &[Vec3], gradient_n: &mut [Ve
 }
 
 /// Adds the Hessian of the energy; that of a slack segment is zero.
-pub fn add_hessian(chords: &Chords, positions_mm: &[Vec3], curvature: Curvature, sink: &mut impl BlockSink) {
+pub fn add_hessian(chords: &Chords, positions_mm: &[Vec3], sink: &mut impl BlockSink) {
     for index in 0..chords.ends.len() {
         let offset = chords.offset(index, positions_mm);
         let length = offset.norm();
         let taut = length > chords.rest_length_mm[index];
         let tangent = chords.axial_stiffness_n[index] / chords.rest_length_mm[index];
         let tangent = if taut { tangent } else { 0.0 };
-        let block = line_block(offset, chords.tension(index, length), tangent, curvature);
+        let block = line_block(offset, chords.tension(index, length), tangent);
         add_shared(chords, index, &block, sink);
     }
 }

@@ -17,7 +17,9 @@ use crate::{Mat3, Vec3};
 pub enum Curvature {
     /// The true one: fast near the equilibrium, but possibly indefinite.
     Exact,
-    /// A positive semidefinite part of it: safe far from the equilibrium.
+    /// Without pressure, and with the positive semidefinite part of contact: far from the equilibrium these two make the true
+    /// one indefinite nearly always. Tissue in compression does so too, but there the damping makes up for it, and leaving
+    /// that part out would make the tissue too stiff, and steps too short.
     Projected,
 }
 
@@ -40,24 +42,20 @@ fn add_line_hessian(
     offset: Vec3,
     tension_n: f64,
     tangent_n_per_mm: f64,
-    curvature: Curvature,
     sink: &mut impl BlockSink,
 ) {
-    let block = line_block(offset, tension_n, tangent_n_per_mm, curvature);
+    let block = line_block(offset, tension_n, tangent_n_per_mm);
     sink.add(ends[0], ends[0], &block);
     sink.add(ends[1], ends[1], &block);
     sink.add(ends[0], ends[1], &-block);
 }
 
-/// K of [`add_line_hessian`]. A compressed element (f < 0) pushes sideways, which makes K indefinite; the projected form
-/// drops that. Two points in one place have no direction, hence no stiffness; contact keeps that from happening.
-fn line_block(offset: Vec3, tension_n: f64, tangent_n_per_mm: f64, curvature: Curvature) -> Mat3 {
+/// K of [`add_line_hessian`]. A compressed element (f < 0) pushes sideways, which makes K indefinite. Two points in one
+/// place have no direction, hence no stiffness; contact keeps that from happening.
+fn line_block(offset: Vec3, tension_n: f64, tangent_n_per_mm: f64) -> Mat3 {
     let length = offset.norm();
     let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
     let direction = offset * inverse;
-    let sideways = match curvature {
-        Curvature::Exact => tension_n * inverse,
-        Curvature::Projected => (tension_n * inverse).max(0.0),
-    };
+    let sideways = tension_n * inverse;
     direction * direction.transpose() * (tangent_n_per_mm - sideways) + Mat3::from_diagonal_element(sideways)
 }

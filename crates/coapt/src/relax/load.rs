@@ -50,8 +50,8 @@ pub fn add_varying_tangent(
     curvature: Curvature,
     sink: &mut impl BlockSink,
 ) {
-    bilinear_spring::add_hessian(&model.springs, positions_mm, curvature, sink);
-    chord::add_hessian(&model.chords, positions_mm, curvature, sink);
+    bilinear_spring::add_hessian(&model.springs, positions_mm, sink);
+    chord::add_hessian(&model.chords, positions_mm, sink);
     if curvature == Curvature::Exact {
         pressure::add_symmetric_tangent(&model.faces, model.pressure_mpa, positions_mm, sink);
     }
