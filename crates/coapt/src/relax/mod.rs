@@ -7,6 +7,7 @@ mod elastic;
 mod escape;
 pub mod krylov;
 mod levels;
+mod line_search;
 pub mod load;
 mod newton;
 pub mod stability;

@@ -4,11 +4,9 @@
 //! damping that falls while steps succeed and rises when they fail. Every vertex then goes as far along its step
 //! as contact allows, and the step is shortened until the force no longer points back along it. Near the equilibrium K
 //! is the exact tangent and a few products with the true, unsymmetric one sharpen the step.
-//!
-//! The line search asks forces, not energies: pressure on a free margin has no energy, and the force at the end of the
-//! step is what the next iteration begins with.
 
-use super::load::{self, Merit};
+use super::line_search::Acceptance;
+use super::load;
 use super::system::{Moved, System};
 use super::{Iteration, Status};
 use crate::Vec3;
@@ -46,14 +44,9 @@ const DAMPING_RISE: f64 = 4.0;
 const LEAST_DAMPING: f64 = 1e-7;
 /// Unstable balances that are left, at most.
 const ESCAPE_LIMIT: u32 = 30;
-/// A step is good if the force along it has not turned round by more than this part of what it was [1].
-const OVERSHOOT: f64 = 0.5;
-/// So much after this many exact steps without a lower residual: at a kink of the springs' law full steps may lead to and
-/// fro for ever, each acceptable by itself.
-const STRICT_OVERSHOOT: f64 = 0.05;
+/// After this many exact steps without a lower residual only strictly good steps are taken: at a kink of the springs' law
+/// full steps may lead to and fro for ever, each acceptable by itself.
 const IDLE_LIMIT: u32 = 3;
-/// A line search gives up after so many trials.
-const TRIALS: u32 = 8;
 /// Steps of a walk to a given shape: at the longest step a valve's radius.
 const WALK_STEPS: u32 = 40;
 /// Steps in a row without progress before the solver says so.
@@ -68,7 +61,7 @@ pub(super) struct Newton<'a> {
     pub(super) near: Vec<Pair>,
     /// Those that do.
     pub(super) touches: Vec<Touch>,
-    trial_touches: Vec<Touch>,
+    pub(super) trial_touches: Vec<Touch>,
     pub(super) system: System<'a>,
     /// Where the prescribed vertices go: as in the model, or as an edit has moved them.
     pub(super) prescribed: Vec<Prescribed>,
@@ -79,14 +72,13 @@ pub(super) struct Newton<'a> {
     pub(super) escape_limit: u32,
     /// Whether the balance that it came to lasts, where it has looked.
     pub(super) stable: Option<bool>,
-    overshoot: f64,
     crawled: u32,
     damping: f64,
     exact_damping: f64,
     /// Minus the force on each vertex where the valve now is [N], shape `[vertex]`.
     pub(super) gradient: Vec<Vec3>,
-    trial_gradient: Vec<Vec3>,
-    trial: Vec<Vec3>,
+    pub(super) trial_gradient: Vec<Vec3>,
+    pub(super) trial: Vec<Vec3>,
     pub(super) step: Vec<Vec3>,
     /// How prescribed vertices go on towards their targets [mm], shape `[vertex]`.
     motion: Vec<Vec3>,
@@ -117,7 +109,6 @@ impl<'a> Newton<'a> {
             least_damping: LEAST_DAMPING * damping,
             escape_limit: ESCAPE_LIMIT,
             stable: None,
-            overshoot: OVERSHOOT,
             crawled: 0,
             damping,
             exact_damping: 1e-3 * damping,
@@ -156,14 +147,14 @@ impl<'a> Newton<'a> {
             self.crawled = if crawls { self.crawled + 1 } else { 0 };
             last_residual = residual;
             let exact = self.newton_step(positions, residual, moving);
-            self.overshoot = if exact && idle > IDLE_LIMIT {
-                STRICT_OVERSHOOT
-            } else {
-                OVERSHOOT
-            };
             let longest = self.limit_step();
             self.bound_step(positions);
-            let fraction = self.search(positions, residual, moving);
+            let acceptance = match (moving, exact && idle > IDLE_LIMIT) {
+                (true, _) => Acceptance::Any,
+                (false, true) => Acceptance::Strict,
+                (false, false) => Acceptance::Progress,
+            };
+            let fraction = self.search(positions, residual, acceptance);
             self.note(history, residual, longest, fraction, exact);
             self.adapt_damping(exact, fraction);
             failures = if fraction == 0.0 { failures + 1 } else { 0 };
@@ -308,59 +299,6 @@ impl<'a> Newton<'a> {
             longest = longest.max(step.norm());
         }
         longest
-    }
-
-    /// Goes along the step until the force no longer points back along it, or the residual has fallen; returns the
-    /// part taken [1].
-    fn search(&mut self, positions: &mut Vec<Vec3>, residual: f64, moving: bool) -> f64 {
-        let slope = self.slope(&self.gradient);
-        let mut fall_from = None;
-        let mut fraction = 1.0;
-        for _ in 0..TRIALS {
-            self.trial.copy_from_slice(positions);
-            advance(&mut self.trial, &self.step, fraction);
-            touches_into(&self.near, &self.trial, &mut self.trial_touches);
-            load::gradient_into(
-                self.model,
-                &self.trial_touches,
-                &self.trial,
-                &mut self.trial_gradient,
-            );
-            let there = self.slope(&self.trial_gradient);
-            let good = slope < 0.0 && there <= -self.overshoot * slope;
-            let strict = self.overshoot == STRICT_OVERSHOOT;
-            if moving
-                || good
-                || (!strict
-                    && (self.residual(&self.trial_gradient) < residual
-                        || self.falls(&mut fall_from, positions)))
-            {
-                std::mem::swap(positions, &mut self.trial);
-                std::mem::swap(&mut self.touches, &mut self.trial_touches);
-                std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
-                return fraction;
-            }
-            // Where the force along the step would vanish if it changed evenly.
-            fraction *= (slope / (slope - there)).clamp(0.25, 0.6);
-        }
-        0.0
-    }
-
-    /// Whether the merit function is lower at the trial than where the valve now is.
-    fn falls(&self, fall_from: &mut Option<(Merit, f64)>, positions: &[Vec3]) -> bool {
-        let (merit, before) = fall_from.get_or_insert_with(|| {
-            let merit = Merit::new(self.model, positions);
-            let before = merit.value(self.model, &self.touches, positions);
-            (merit, before)
-        });
-        merit.value(self.model, &self.trial_touches, &self.trial) < *before
-    }
-
-    /// Slope along the step: minus the work of the force on the free vertices [N·mm].
-    fn slope(&self, gradient: &[Vec3]) -> f64 {
-        let free = self.system.free.iter();
-        free.map(|&vertex| gradient[vertex as usize].dot(&self.step[vertex as usize]))
-            .sum()
     }
 
     fn adapt_damping(&mut self, exact: bool, fraction: f64) {
