@@ -194,19 +194,36 @@ fn every_stressed_valve_is_certified() {
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 
-/// Rings far too small for the leaflets of a Barlow valve: what is left over folds up with hardly any stiffness, and
-/// steps that were damped for the factor's sake never came to rest under the second of them.
+/// Rings that leave tissue over, which folds up with hardly any stiffness, and chordae slack, which have none at all. Steps
+/// that were damped for the factor's sake never came to rest under the Barlow valve's ring of 30 mm; eigenvalues of zero,
+/// found as -1e-10, made sound balances look unstable under most of the others.
 #[test]
 fn valves_with_tissue_left_over_come_to_rest() {
-    let valve = stressed(Preset::Barlow, &OnScene(|_| {}));
-    let complaints: Vec<String> = ["physio-like:28", "physio-like:30", "physio-like:34"]
-        .into_iter()
-        .filter_map(|spec| {
+    let rings = [
+        (
+            Preset::Barlow,
+            [
+                "physio-like:28",
+                "physio-like:30",
+                "reduced-ap:40",
+                "posterior-band:32",
+            ],
+        ),
+        (
+            Preset::Healthy,
+            ["classic-like:24", "physio-like:27", "saddle:35", "reduced-ap:32"],
+        ),
+    ];
+    let mut complaints = Vec::new();
+    for (preset, specs) in rings {
+        let valve = stressed(preset, &OnScene(|_| {}));
+        for spec in specs {
             let ring = parse_ring_spec(spec).expect("a ring");
             let repaired = apply(&valve, &Repair::Ring(ring)).expect("the ring fits");
-            complaint(spec, &close(&repaired.model))
-        })
-        .collect();
+            let name = format!("{}, {spec}", preset.name());
+            complaints.extend(complaint(&name, &close(&repaired.model)));
+        }
+    }
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 

@@ -39,7 +39,9 @@ impl Newton<'_> {
         let solve =
             |right: &mut [Vec3]| system.solve_unsymmetric(positions, system.damping, right, EIGEN_TOLERANCE);
         let start = (0..weight_mm2.len()).map(pseudo_random).collect();
-        stability::least_real_part(solve, &weight_mm2, shift, start) > 0.0
+        // What has no stiffness at all has eigenvalues of zero, less what the solution leaves of the shift.
+        let zero = self.least_damping + EIGEN_TOLERANCE * shift;
+        stability::least_real_part(solve, &weight_mm2, shift, start) > -zero
     }
 
     /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in

@@ -134,6 +134,9 @@ impl<'a> Newton<'a> {
         for _ in 0..self.model.settings.iteration_limit {
             let moving = self.boundary_motion(positions);
             let residual = self.residual(&self.gradient);
+            if !residual.is_finite() {
+                return Status::Stalled;
+            }
             if residual <= self.model.settings.residual_tolerance && !moving {
                 if escapes == self.escape_limit || !self.escape(positions) {
                     return Status::Converged;
@@ -189,7 +192,9 @@ impl<'a> Newton<'a> {
     pub(super) fn residual(&self, gradient: &[Vec3]) -> f64 {
         let free = self.system.free.iter();
         let squared = free.map(|&vertex| gradient[vertex as usize].norm_squared());
-        squared.fold(0.0, f64::max).sqrt() / self.reference_force_n
+        // What is not a number must not get lost.
+        let larger = |one: f64, other: f64| if one > other || one.is_nan() { one } else { other };
+        squared.fold(0.0, larger).sqrt() / self.reference_force_n
     }
 
     /// Shortens the step, vertex by vertex, until nothing passes through anything; gathers the pairs along it.
