@@ -7,7 +7,7 @@ use coapt::contact::crossing::crossings;
 use coapt::contact::gather::PairList;
 use coapt::contact::nearest::{Nearest, edge_edge, point_triangle, triangle_parameters};
 use coapt::contact::pairs::{Pair, PairKind, Place};
-use coapt::contact::step_bound;
+use coapt::contact::step_bound::bound_steps;
 use coapt::contact::surface::Surface;
 use coapt_tests::Random;
 use parry3d_f64::glamx::DVec3;
@@ -171,7 +171,7 @@ fn bounded_steps_never_tunnel() {
         let (faces, mut positions) = two_sheets(6, 0.3, &mut random);
         let surface = Surface::new(&faces, &positions);
         let rest = positions.clone();
-        let (mut list, mut found, mut allowed) = (PairList::default(), Vec::new(), Vec::new());
+        let (mut list, mut found, mut allowances) = (PairList::default(), Vec::new(), Vec::new());
         for _ in 0..20 {
             let mut step: Vec<Vec3> = positions
                 .iter()
@@ -184,11 +184,7 @@ fn bounded_steps_never_tunnel() {
                 thickness_mm: 0.1,
                 rigid_fraction: 0.5,
             };
-            // As the solver does it: shortened vertices may meet others.
-            list.gather(&place, &step, &mut found);
-            while step_bound::shorten(&found, &positions, &mut step, &mut allowed) {
-                list.gather(&place, &step, &mut found);
-            }
+            bound_steps(&mut list, &place, &mut step, &mut found, &mut allowances);
             // Wherever each vertex stops on its way, nothing crosses.
             let partway: Vec<Vec3> = positions.iter().zip(&step).map(|(x, s)| x + s * 0.5).collect();
             assert_eq!(crossings(&surface, &partway), []);

@@ -2,7 +2,8 @@
 //!
 //! Boxes are sorted by their lower ends along the longest axis of the scene, dealt out to strips along the second longest,
 //! and each strip is swept alone: the cost stays nearly linear in their number. Bounds are single precision, rounded
-//! outwards, eight to an instruction; a box that meets another by less than that rounding may be told of too.
+//! outwards, eight to an instruction; two boxes apart by less than that rounding, a ten-millionth of the scene, may be told
+//! of too.
 
 use crate::Vec3;
 use crate::simd::{Kernel, dispatch};
@@ -155,13 +156,13 @@ impl Frame {
     }
 }
 
-/// A number rounded down, to one that is less.
+/// A number rounded down, to one that is less; finite, since what is infinite stands for no box.
 fn below(value: f64) -> f32 {
-    (value as f32).next_down()
+    (value as f32).next_down().min(f32::MAX)
 }
 
 fn above(value: f64) -> f32 {
-    (value as f32).next_up()
+    (value as f32).next_up().min(f32::MAX)
 }
 
 /// An integer that ascends as the number does.

@@ -15,7 +15,8 @@ pub struct Crossing {
 }
 
 /// All crossings, in ascending order. Two triangles cross if and only if an edge of one passes through the
-/// other, so an empty list means that no two faces cross. A touch counts as a crossing.
+/// other, so an empty list means that no two faces cross. A touch counts as a crossing; but faces that lie in one plane, one
+/// on the other, do not pass through each other, and are not told of.
 pub fn crossings(surface: &Surface, positions_mm: &[Vec3]) -> Vec<Crossing> {
     let at = |vertex: u32| positions_mm[vertex as usize];
     let Surface { faces, edges, .. } = surface;

@@ -165,9 +165,11 @@ pub(super) fn unseen(kind: PairKind, vertices: [u32; 4], area_mm2: f64) -> Pair 
 pub(super) fn pair_at_rest(place: &Place, kind: PairKind, vertices: [u32; 4], area_mm2: f64) -> Pair {
     let at_rest = corners(&vertices, place.rest_mm);
     let rest_distance = nearest_at(kind, &vertices, place.rest_mm).separation_mm.norm();
+    // Never zero, which marks pairs of which it is not known yet.
     let activation_mm = place
         .longest_of_neighbours_mm()
-        .min(NEIGHBOUR_FRACTION * rest_distance);
+        .min(NEIGHBOUR_FRACTION * rest_distance)
+        .max(f64::MIN_POSITIVE);
     Pair {
         kind,
         vertices,

@@ -5,7 +5,8 @@
 //! cannot meet. The gap is shared out in proportion to how fast each side approaches; sliding along the plane
 //! is free. Pairs that are not listed are farther apart than the step can bridge ([`super::gather::PairList`]).
 
-use super::pairs::{Pair, PairKind, corners};
+use super::gather::PairList;
+use super::pairs::{Pair, PairKind, Place, corners};
 use crate::Vec3;
 
 /// Part of a gap that one step may use up [1]. At 1 parts would touch; a smaller part only costs steps.
@@ -19,25 +20,71 @@ const LEAST_GAP_MM: f64 = 1e-5;
 /// been shortened before. What it then uses of a gap beyond its share is far less than what is left.
 const SHORTENED_BELOW: f64 = 1.0 - 1e-6;
 
-/// Shortens the step of each vertex as far as needed, keeping its direction; whether any was. `allowed`, the part of its
-/// step that each vertex may go [1], is room to work in.
-pub fn shorten(pairs: &[Pair], positions_mm: &[Vec3], step_mm: &mut [Vec3], allowed: &mut Vec<f64>) -> bool {
-    allowed.clear();
-    allowed.resize(step_mm.len(), 1.0);
-    for pair in pairs {
-        bound_pair(pair, positions_mm, step_mm, allowed);
-    }
-    let mut shortened = false;
-    for (step, &allowed) in step_mm.iter_mut().zip(&*allowed) {
-        if allowed < SHORTENED_BELOW {
-            *step *= allowed;
-            shortened = true;
-        }
-    }
-    shortened
+/// In needles, where parts are so much nearer at rest than elsewhere [1], what goes too far is at first taken off a step at
+/// right angles to the plane, so that a vertex in the way of its own neighbours still goes along them. Shortened as a whole
+/// it went by a hundredth of its way each time: a valve with needles of 1e-4 mm took 562 iterations, and takes 33. Between
+/// all parts, Barlow valves under small rings take a third more iterations, and one does not come to rest.
+const NEEDLE: f64 = 0.2;
+
+/// How far a vertex may go by the pair that bounds it most.
+#[derive(Clone, Copy, Debug)]
+pub struct Allowance {
+    /// The part of its step [1].
+    part: f64,
+    /// What must be taken off its step at first [mm].
+    excess_mm: Vec3,
 }
 
-fn bound_pair(pair: &Pair, positions_mm: &[Vec3], step_mm: &[Vec3], allowed: &mut [f64]) {
+const UNBOUNDED: Allowance = Allowance {
+    part: 1.0,
+    excess_mm: Vec3::new(0.0, 0.0, 0.0),
+};
+
+/// Bounds the step of each vertex and gathers the pairs that may touch along it. Then nothing passes through anything,
+/// whatever part of the steps is taken.
+///
+/// Pairs are gathered as if all vertices went at the same rate. Bounded ones do not: whom they may meet then is looked for
+/// again, until nobody needs to be bounded. What was shortened once stays so, since a separating plane holds for any part
+/// of a step; sliding, which turns steps, is done once, before. `allowances` is room to work in.
+pub fn bound_steps(
+    list: &mut PairList,
+    place: &Place,
+    step_mm: &mut [Vec3],
+    near: &mut Vec<Pair>,
+    allowances: &mut Vec<Allowance>,
+) {
+    list.gather(place, step_mm, near);
+    if !find_allowances(near, place, step_mm, allowances) {
+        return;
+    }
+    for (step, allowance) in step_mm.iter_mut().zip(&*allowances) {
+        *step -= allowance.excess_mm;
+    }
+    list.gather(place, step_mm, near);
+    while find_allowances(near, place, step_mm, allowances) {
+        for (step, allowance) in step_mm.iter_mut().zip(&*allowances) {
+            if allowance.part < SHORTENED_BELOW {
+                *step *= allowance.part;
+            }
+        }
+        list.gather(place, step_mm, near);
+    }
+}
+
+/// Finds how far each vertex may go; whether any must be bounded.
+fn find_allowances(pairs: &[Pair], place: &Place, step_mm: &[Vec3], allowances: &mut Vec<Allowance>) -> bool {
+    allowances.clear();
+    allowances.resize(step_mm.len(), UNBOUNDED);
+    for pair in pairs {
+        bound_pair(pair, place, step_mm, allowances);
+    }
+    allowances
+        .iter()
+        .any(|allowance| allowance.part < SHORTENED_BELOW)
+}
+
+fn bound_pair(pair: &Pair, place: &Place, step_mm: &[Vec3], allowances: &mut [Allowance]) {
+    let positions_mm = place.positions_mm;
     let corners = corners(&pair.vertices, positions_mm);
     let steps = pair.vertices.map(|vertex| step_mm[vertex as usize]);
     let nearest = pair.nearest(positions_mm);
@@ -50,9 +97,9 @@ fn bound_pair(pair: &Pair, positions_mm: &[Vec3], step_mm: &[Vec3], allowed: &mu
         return;
     }
     if distance == 0.0 {
-        pair.vertices
-            .iter()
-            .for_each(|&vertex| allowed[vertex as usize] = 0.0);
+        for (&vertex, &excess_mm) in pair.vertices.iter().zip(&steps) {
+            allowances[vertex as usize] = Allowance { part: 0.0, excess_mm };
+        }
         return;
     }
     let normal = nearest.separation_mm / distance;
@@ -79,12 +126,20 @@ fn bound_pair(pair: &Pair, positions_mm: &[Vec3], step_mm: &[Vec3], allowed: &mu
     if need[0] + need[1] <= gap {
         return;
     }
+    let in_needle = pair.activation_mm < NEEDLE * place.longest_of_neighbours_mm();
     let share = gap / (need[0] + need[1]);
     for k in 0..4 {
         let room = spare[k] + need[usize::from(k >= first_count)] * share;
-        if towards[k] > room {
-            let allowed = &mut allowed[pair.vertices[k] as usize];
-            *allowed = allowed.min(room / towards[k]);
+        let allowance = &mut allowances[pair.vertices[k] as usize];
+        let part = room / towards[k];
+        if towards[k] > room && part < allowance.part {
+            *allowance = Allowance {
+                part,
+                excess_mm: match in_needle {
+                    true => normal * (-side(k) * (towards[k] - room)),
+                    false => steps[k] * (1.0 - part),
+                },
+            };
         }
     }
 }

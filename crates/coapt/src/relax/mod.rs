@@ -58,7 +58,7 @@ pub struct Iteration {
     pub residual: f64,
     /// Longest step of a vertex [mm].
     pub step_mm: f64,
-    /// Added stiffness per area [MPa/mm].
+    /// Added stiffness per area with which the tangent was factorised [MPa/mm].
     pub damping: f64,
     /// Part of the step taken after the line search [1].
     pub fraction: f64,

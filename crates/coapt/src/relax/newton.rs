@@ -12,7 +12,7 @@ use super::{Iteration, Status};
 use crate::Vec3;
 use crate::contact::gather::{PairList, longest_mm};
 use crate::contact::pairs::{Pair, Place, rigid_fraction};
-use crate::contact::step_bound;
+use crate::contact::step_bound::{Allowance, bound_steps};
 use crate::contact::surface::Surface;
 use crate::contact::touch::{Touch, touches_into};
 use crate::energy::Curvature;
@@ -84,7 +84,7 @@ pub(super) struct Newton<'a> {
     motion: Vec<Vec3>,
     /// Right-hand side, then solution, shape `[free]`.
     pub(super) right: Vec<Vec3>,
-    allowed: Vec<f64>,
+    allowances: Vec<Allowance>,
 }
 
 impl<'a> Newton<'a> {
@@ -119,7 +119,7 @@ impl<'a> Newton<'a> {
             motion: zeros,
             right: vec![Vec3::zeros(); system.free.len()],
             prescribed: model.prescribed.clone(),
-            allowed: Vec::new(),
+            allowances: Vec::new(),
             system,
         }
     }
@@ -197,17 +197,11 @@ impl<'a> Newton<'a> {
         squared.fold(0.0, larger).sqrt() / self.reference_force_n
     }
 
-    /// Shortens the step, vertex by vertex, until nothing passes through anything; gathers the pairs along it.
-    ///
-    /// Pairs are gathered as if all vertices went at the same rate. Shortened ones do not: whom they may meet then is
-    /// looked for again, until nobody needs to be shortened. What was bounded once stays so, since a separating plane
-    /// holds for any part of a step.
+    /// Bounds the step, vertex by vertex, so that nothing passes through anything; gathers the pairs along it.
     pub(super) fn bound_step(&mut self, positions: &[Vec3]) {
         let place = place(self.model, &self.surface, positions);
-        self.pairs.gather(&place, &self.step, &mut self.near);
-        while step_bound::shorten(&self.near, positions, &mut self.step, &mut self.allowed) {
-            self.pairs.gather(&place, &self.step, &mut self.near);
-        }
+        let (step, near) = (&mut self.step, &mut self.near);
+        bound_steps(&mut self.pairs, &place, step, near, &mut self.allowances);
     }
 
     /// Goes towards a shape as far as contact lets each vertex, without asking for forces.
