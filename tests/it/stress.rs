@@ -4,7 +4,7 @@
 use coapt::Vec3;
 use coapt::mesh::parametric::{Preset, ValveParameters, generate};
 use coapt::model::Model;
-use coapt::relax::{Equilibrium, Status, relax};
+use coapt::relax::{Equilibrium, Interactive, Status, relax};
 use coapt::repair::apply;
 use coapt::repair::ring_shape::parse_ring_spec;
 use coapt::scene::{Load, Repair, Scene, SurfaceMesh, Tissue};
@@ -225,6 +225,23 @@ fn valves_with_tissue_left_over_come_to_rest() {
         }
     }
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+#[test]
+fn what_is_not_a_number_ends_as_stalled() {
+    let model = stressed(Preset::Restricted, &OnScene(|_| {}));
+    let closed = close(&model);
+    let mut targets: Vec<Vec3> = model.prescribed.iter().map(|held| held.target_mm).collect();
+    targets[3].x = f64::NAN;
+    let mut start = State::open(&model);
+    start.positions_mm[5].y = f64::NAN;
+    for end in [
+        Interactive::new(&model, &closed).close(&targets),
+        relax(&model, &start),
+    ] {
+        assert_eq!(end.status, Status::Stalled);
+        assert!(!end.certificate.is_certified(end.status));
+    }
 }
 
 #[test]

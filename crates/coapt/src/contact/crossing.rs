@@ -54,6 +54,13 @@ fn edge_meets_face(edge: [u32; 2], face: [u32; 3], positions_mm: &[Vec3]) -> boo
     };
     let [p, q] = edge.map(at);
     let [a, b, c] = face.map(at);
+    // What is not a number is nowhere; the exact signs would take forever to find that out.
+    if [p, q, a, b, c]
+        .iter()
+        .any(|point| !(point.x + point.y + point.z).is_finite())
+    {
+        return false;
+    }
     let (above, below) = (orient3d(a, b, c, p), orient3d(a, b, c, q));
     let one_side = (above > 0.0 && below > 0.0) || (above < 0.0 && below < 0.0);
     if one_side || (above == 0.0 && below == 0.0) {

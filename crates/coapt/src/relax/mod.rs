@@ -130,7 +130,7 @@ fn conclude(
     newton.evaluate(&positions);
     let residual = newton.residual(&newton.gradient);
     let stable = newton.stable.take();
-    let stable = stable.unwrap_or_else(|| newton.is_stable(&positions));
+    let stable = stable.unwrap_or_else(|| residual.is_finite() && newton.is_stable(&positions));
     let certificate = certify(model, &newton.surface, &newton.near, &positions, residual, stable);
     let mut reactions_n = vec![Vec3::zeros(); positions.len()];
     for prescribed in &newton.prescribed {
