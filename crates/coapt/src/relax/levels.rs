@@ -34,7 +34,9 @@ pub(super) fn begin(newton: &mut Newton, history: &mut Vec<Iteration>) -> Option
         if vertex_target < LEAST_VERTICES {
             continue;
         }
-        let shape = carried_over(newton.model, vertex_target, history)?;
+        let Some(shape) = carried_over(newton.model, vertex_target, history) else {
+            break;
+        };
         if crossings(&newton.surface, &shape).is_empty() {
             return Some(shape);
         }
