@@ -1,6 +1,6 @@
-//! Finding what may touch: `contact/broad` (sweep and prune of the edges alone), `contact/narrow` (closest points of the pairs that
-//! may touch), `contact/pairs` (both on all candidates, and the list of near pairs) and `contact/gather` (what of a list
-//! that still holds may touch), at the closed valve, where most is near.
+//! Finding what may touch: `contact/broad` (sweep and prune of the edges alone), `contact/narrow` (closest points of the
+//! pairs that may touch), `contact/pairs` (both on all candidates, and the list of near pairs) and `contact/gather` (what
+//! of a list that still holds may touch), at the closed valve, where most is near.
 
 use coapt::Vec3;
 use coapt::contact::broad::{Box3, SweepAndPrune};

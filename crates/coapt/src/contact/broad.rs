@@ -49,7 +49,8 @@ const STRIP_WIDTH: f64 = 2.0;
 const LANES: usize = 8;
 
 impl SweepAndPrune {
-    /// Every two of some boxes that overlap, each two once, in an order that the boxes alone decide.
+    /// Every two of some boxes that overlap, each two once, in an order that the boxes alone decide; to be thinned out with
+    /// [`keep`].
     pub fn among(&mut self, boxes: &[Box3]) -> &mut Vec<[u32; 2]> {
         let frame = Frame::new(boxes, &[]);
         frame.deal_out(boxes, &mut self.keys, &mut self.ones);
@@ -61,7 +62,7 @@ impl SweepAndPrune {
         &mut self.found
     }
 
-    /// Every box of one kind that overlaps one of another kind: one, other.
+    /// Every box of one kind that overlaps one of another kind: one, other. As with [`Self::among`].
     pub fn between(&mut self, ones: &[Box3], others: &[Box3]) -> &mut Vec<[u32; 2]> {
         let frame = Frame::new(ones, others);
         frame.deal_out(ones, &mut self.keys, &mut self.ones);

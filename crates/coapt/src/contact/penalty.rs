@@ -37,7 +37,7 @@ pub fn penalty(distance_mm: f64, activation_mm: f64, rigid_mm: f64, stiffness_mp
     ]
 }
 
-/// Contact energy of all pairs [N·mm].
+/// Contact energy of the pairs that touch [N·mm].
 pub fn energy(touches: &[Touch], stiffness_mpa: f64, positions_mm: &[Vec3]) -> f64 {
     let share = |touch: &Touch| share_of(touch.fade(positions_mm).as_ref());
     touches

@@ -14,7 +14,8 @@ pub struct Certificate {
     /// Largest force left on a free vertex over the mean nodal pressure force [1].
     pub residual: f64,
     /// Whether a small push is answered by a return: the symmetric part of the tangent is positive definite, or,
-    /// failing that, every eigenvalue of the whole tangent has a positive real part; see [`super::stability`].
+    /// failing that, no eigenvalue of the whole tangent has a negative real part, but for rounding of the zeros that slack
+    /// chordae have; see [`super::stability`].
     pub stable: bool,
     /// Edges that pass through faces, by exact arithmetic. Must be empty.
     pub crossings: Vec<Crossing>,

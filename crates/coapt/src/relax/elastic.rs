@@ -2,13 +2,30 @@
 
 use super::block_matrix::BlockMatrix;
 use super::load;
-use super::system::Moved;
 use crate::energy::{BlockSink, Curvature};
 use crate::model::Model;
 use crate::{Mat3, Vec3};
 
 /// Marks a vertex without a free index, and a block that no free vertex sees.
 pub(super) const PRESCRIBED: u32 = u32::MAX;
+
+/// What a motion of the prescribed vertices takes from the right-hand side.
+pub(super) struct Moved<'a> {
+    /// Motion of prescribed vertices in this step [mm], shape `[vertex]`.
+    pub(super) motion_mm: &'a [Vec3],
+    /// Right-hand side [N], shape `[free]`.
+    pub(super) right_n: &'a mut [Vec3],
+}
+
+impl Moved<'_> {
+    pub(super) fn take(&mut self, [row, column]: [u32; 2], [i, j]: [u32; 2], block: &Mat3) {
+        match (i == PRESCRIBED, j == PRESCRIBED) {
+            (false, true) => self.right_n[i as usize] -= block * self.motion_mm[column as usize],
+            (true, false) => self.right_n[j as usize] -= block.tr_mul(&self.motion_mm[row as usize]),
+            _ => {}
+        }
+    }
+}
 
 /// The tangent without contact over the free vertices.
 pub(super) struct Elastic {

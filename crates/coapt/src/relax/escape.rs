@@ -18,7 +18,7 @@ const INVERSE_ITERATIONS: u32 = 8;
 
 impl Newton<'_> {
     /// Whether the valve stays where it is when pushed a little; see [`super::stability`]. The tangent is left
-    /// factorised with the least damping that makes its symmetric part positive definite.
+    /// factorised with the first of some rising dampings that makes its symmetric part positive definite.
     pub(super) fn is_stable(&mut self, positions: &[Vec3]) -> bool {
         if self.system.free.is_empty() {
             return true;

@@ -5,9 +5,10 @@
 //! as contact allows, and the step is shortened until the force no longer points back along it. Near the equilibrium K
 //! is the exact tangent and a few products with the true, unsymmetric one sharpen the step.
 
+use super::elastic::Moved;
 use super::line_search::Acceptance;
 use super::load;
-use super::system::{Moved, System};
+use super::system::System;
 use super::{Iteration, Status};
 use crate::Vec3;
 use crate::contact::gather::{PairList, longest_mm};
@@ -33,9 +34,9 @@ const CRAWL_LIMIT: u32 = 4;
 const NEWTON_TOLERANCE: f64 = 1e-2;
 /// Below this residual the damping that the factorisation may need is left out of the step itself; far out it is a brake
 /// that steps must have. Where a valve has a mode of hardly any stiffness, or one that follower pressure holds though the
-/// symmetric part does not, steps damped for the sake of the factor approach the balance as slowly as 1/k². Barlow valves
-/// under rings of 28, 30 and 34 mm take 147, 348 and 137 iterations to 1e-6 (250, more than 2000 and 167 without); at
-/// 1e-3 162, 394 and 156, and always left out the dilated valve takes 41 instead of 22.
+/// symmetric part does not, steps damped for the sake of the factor approach the balance as slowly as 1/k². When it was tuned,
+/// Barlow valves under rings of 28, 30 and 34 mm took 147, 348 and 137 iterations to 1e-6 (250, more than 2000 and 167
+/// without), at 1e-3 162, 394 and 156; always left out, the dilated valve took 41 instead of 22.
 const UNDAMPED_BELOW: f64 = 1e-2;
 /// The exact tangent is tried with this many dampings, each so many times the last.
 const EXACT_TRIES: u32 = 8;

@@ -2,7 +2,7 @@
 
 use super::block_matrix::BlockMatrix;
 use super::cholesky::{Factor, Symbolic};
-use super::elastic::{Elastic, PRESCRIBED};
+use super::elastic::{Elastic, Moved, PRESCRIBED};
 use super::krylov::Krylov;
 use super::load;
 use crate::contact::pairs::{Pair, PairKind};
@@ -218,24 +218,6 @@ impl<'a> System<'a> {
     pub(super) fn curvature(&self, direction: &[Vec3], product: &mut [Vec3]) -> f64 {
         self.matrix.multiply_into(direction, product);
         direction.iter().zip(product).map(|(x, kx)| x.dot(kx)).sum()
-    }
-}
-
-/// What a motion of the prescribed vertices takes from the right-hand side.
-pub(super) struct Moved<'a> {
-    /// Motion of prescribed vertices in this step [mm], shape `[vertex]`.
-    pub(super) motion_mm: &'a [Vec3],
-    /// Right-hand side [N], shape `[free]`.
-    pub(super) right_n: &'a mut [Vec3],
-}
-
-impl Moved<'_> {
-    pub(super) fn take(&mut self, [row, column]: [u32; 2], [i, j]: [u32; 2], block: &Mat3) {
-        match (i == PRESCRIBED, j == PRESCRIBED) {
-            (false, true) => self.right_n[i as usize] -= block * self.motion_mm[column as usize],
-            (true, false) => self.right_n[j as usize] -= block.tr_mul(&self.motion_mm[row as usize]),
-            _ => {}
-        }
     }
 }
 
