@@ -101,11 +101,13 @@ fn make_slivers(mesh: &mut SurfaceMesh) {
 
 fn stiffen_collagen(scene: &mut Scene) {
     for leaflet in &mut scene.leaflets {
-        let Tissue::BilinearSprings {
+        if let Tissue::BilinearSprings {
             post_transition_modulus_mpa,
             ..
-        } = &mut leaflet.tissue;
-        *post_transition_modulus_mpa = 30.0;
+        } = &mut leaflet.tissue
+        {
+            *post_transition_modulus_mpa = 30.0;
+        }
     }
 }
 

@@ -2,12 +2,11 @@
 
 use super::Prolongation;
 use super::thin::{NONE, Thinning};
-use super::tissue;
 use crate::Vec3;
-use crate::contact::surface::face_area_mm2;
 use crate::energy::chord::{Chords, WeightedVertices};
-use crate::mesh::topology::{self, Edges};
-use crate::model::{AnnulusLandmarks, Margin, Model, Papillary, Prescribed, hinges, springs};
+use crate::mesh::topology;
+use crate::model::elasticity::{Elasticity, Sheet, elasticity};
+use crate::model::{AnnulusLandmarks, Margin, Model, Papillary, Prescribed};
 
 /// A chord whose insertion moves is never made shorter than this part of its length [1]: only chords as slack as
 /// they are long come near it, and a rest length must stay above 0.
@@ -15,43 +14,46 @@ const LEAST_CHORD: f64 = 0.1;
 
 pub(super) fn assemble(
     model: &Model,
-    edges: &Edges,
     thinning: &Thinning,
     numbers: &[u32],
     prolongation: &Prolongation,
 ) -> Model {
-    let areas: Vec<f64> = model
-        .faces
-        .iter()
-        .map(|f| face_area_mm2(f, &model.rest_mm))
-        .collect();
-    let fine_tissue = tissue::of_fine_faces(model, edges, &areas);
-    let tissue = tissue::merged(&fine_tissue, &areas, &thinning.heir);
-    let stands: Vec<usize> = (0..model.faces.len())
-        .filter(|&f| thinning.faces[f][0] != NONE)
-        .collect();
+    let stands = (0..model.faces.len()).filter(|&f| thinning.faces[f][0] != NONE);
+    let face_leaflet: Vec<u32> = stands.map(|f| model.face_leaflet[f]).collect();
     let rest_mm: Vec<_> = (0..numbers.len())
         .filter(|&v| numbers[v] != NONE)
         .map(|v| model.rest_mm[v])
         .collect();
-    let faces = &prolongation.faces;
-    let coarse_edges = topology::edges(faces);
-    let plates = hinges::plates_n_mm(model);
+    let annulus: Vec<u32> = kept(&model.annulus, numbers).collect();
+    let sheet = Sheet {
+        rest_mm: &rest_mm,
+        faces: &prolongation.faces,
+        face_leaflet: &face_leaflet,
+        annulus: &annulus,
+        leaflets: &model.leaflets,
+    };
+    let Elasticity {
+        springs,
+        membranes,
+        hinges,
+    } = elasticity(&sheet, &topology::edges(&prolongation.faces));
+    let renumber = |(vertex, force): &(u32, Vec3)| (numbers[*vertex as usize], *force);
+    let loads = model.dead_loads_n.iter().map(renumber);
     Model {
         name: model.name.clone(),
         leaflet_vertex_count: rest_mm.len() - (numbers.len() - model.leaflet_vertex_count),
-        springs: springs::of_faces(&rest_mm, faces, &coarse_edges, |f| tissue[stands[f]]),
-        hinges: hinges::of_faces(&rest_mm, faces, &coarse_edges, |f| {
-            plates[model.face_leaflet[stands[f as usize]] as usize]
-        }),
-        faces: faces.clone(),
-        face_leaflet: stands.iter().map(|&f| model.face_leaflet[f]).collect(),
+        springs,
+        membranes,
+        hinges,
+        faces: prolongation.faces.clone(),
+        face_leaflet,
         leaflets: model.leaflets.clone(),
         chords: chords(model, prolongation, &rest_mm),
         chord_groups: model.chord_groups.clone(),
         pressure_mpa: model.pressure_mpa,
+        dead_loads_n: loads.filter(|(vertex, _)| *vertex != NONE).collect(),
         contact: model.contact,
-        annulus: kept(&model.annulus, numbers).collect(),
+        annulus,
         margins: model.margins.iter().map(|m| margin(m, numbers)).collect(),
         papillary: model.papillary.iter().map(|m| papillary(m, numbers)).collect(),
         landmarks: landmarks(model, numbers),

@@ -1,7 +1,7 @@
 //! A coarser model of the same valve, for solvers that go from coarse to fine.
 //!
 //! ```text
-//! Model --places, thin--> fewer faces --tissue--> springs --------> Model
+//! Model --places, thin--> fewer faces --elasticity--> springs, membranes, hinges --> Model
 //!                                    \--locate--> Prolongation --/ (chords follow their insertions)
 //! ```
 //!
@@ -14,15 +14,14 @@ mod sheet;
 #[cfg(test)]
 mod tests;
 mod thin;
-mod tissue;
 
 pub use prolongation::Prolongation;
 
-use self::sheet::Sheet;
 use self::thin::{NONE, Thinning};
 use crate::energy::chord::WeightedVertices;
-use crate::mesh::topology;
+use crate::mesh::topology::{self, Edges};
 use crate::model::Model;
+use crate::model::elasticity::{Sheet, elasticity};
 
 /// A coarser model and the way back.
 #[derive(Clone, Debug)]
@@ -48,14 +47,14 @@ const WORTHWHILE: f64 = 0.7;
 /// Leaflet vertices of the coarse model are some of the fine one's, in the same order; then come all chord
 /// nodes and tips. Annulus, margins and borders of leaflets are thinned along themselves. Prescribed vertices
 /// keep their targets. Where a chord's insertion is gone, the chord goes to the nearest vertex left, its rest
-/// length changed as its open length. Springs are Van Gelder's for the tissue of the fine ones; where that is
-/// the same all over a leaflet, they are those that `Model::build` would give.
+/// length changed as its open length. Springs, membranes and hinges are those that `Model::build` would give.
 ///
-/// Nothing where too few vertices can go to be worth it, or where springs are not the edges of the mesh.
+/// Nothing where too few vertices can go to be worth it, or where springs, membranes and hinges are not those of the
+/// leaflets' tissues: whoever made others knows what a coarse mesh of them is.
 pub fn coarsen(model: &Model, vertex_target: usize) -> Option<Coarse> {
     let count = model.leaflet_vertex_count;
     let edges = topology::edges(&model.faces);
-    if vertex_target as f64 > WORTHWHILE * count as f64 || model.springs.ends != edges.ends {
+    if vertex_target as f64 > WORTHWHILE * count as f64 || !is_of_its_tissues(model, &edges) {
         return None;
     }
     let reluctance = reluctance(model);
@@ -67,9 +66,14 @@ pub fn coarsen(model: &Model, vertex_target: usize) -> Option<Coarse> {
     let numbers = numbers(model, &thinning.pulled_into);
     let prolongation = prolongation(model, &thinning, &numbers);
     Some(Coarse {
-        model: assemble::assemble(model, &edges, &thinning, &numbers, &prolongation),
+        model: assemble::assemble(model, &thinning, &numbers, &prolongation),
         prolongation,
     })
+}
+
+fn is_of_its_tissues(model: &Model, edges: &Edges) -> bool {
+    let made = elasticity(&Sheet::of(model), edges);
+    made.springs == model.springs && made.membranes == model.membranes && made.hinges == model.hinges
 }
 
 fn reluctance(model: &Model) -> Vec<f32> {
@@ -107,7 +111,7 @@ fn prolongation(model: &Model, thinning: &Thinning, numbers: &[u32]) -> Prolonga
     let faces: Vec<[u32; 3]> = left.map(|face| face.map(|v| numbers[v as usize])).collect();
     let all = model.rest_mm.iter().zip(numbers);
     let points: Vec<_> = all.filter(|(_, n)| **n != NONE).map(|(p, _)| *p).collect();
-    let sheet = Sheet::new(&faces, &points);
+    let sheet = sheet::Sheet::new(&faces, &points);
     let place = |vertex: usize| {
         if numbers[vertex] != NONE {
             return ([numbers[vertex]; 3], [1.0, 0.0, 0.0]);

@@ -1,9 +1,12 @@
-//! Chordae: linear elastic rods that carry tension only (paper 003, section 2.2): T = E·A (l / L − 1), 0 when slack.
+//! Chordae: elastic rods that carry tension only (paper 003, section 2.2): T = A σ(l / L − 1), 0 when slack, with the
+//! stress σ of one of the laws of [`super::chord_law`].
 //!
 //! A rod runs between two chord points. A papillary tip or a branching is one vertex; an insertion is the weighted mean
 //! of the leaflet vertices around it, which share its pull by the same weights.
 
+use super::chord_law::{ChordResponse, response};
 use super::{BlockSink, line_block};
+use crate::scene::ChordLaw;
 use crate::{Mat3, Vec3};
 
 /// A point as the weighted mean of vertices: vertex and weight [1], the weights adding up to one.
@@ -18,17 +21,22 @@ pub struct Chords {
     pub ends: Vec<[u32; 2]>,
     /// Unloaded length L [mm], shape `[segment]`.
     pub rest_length_mm: Vec<f64>,
-    /// Force per strain, E·A [N], shape `[segment]`.
-    pub axial_stiffness_n: Vec<f64>,
+    /// Unloaded cross-section A [mm²], shape `[segment]`.
+    pub area_mm2: Vec<f64>,
     /// Which group each segment belongs to, shape `[segment]`.
     pub group: Vec<u32>,
+    /// The law of each group, shape `[group]`.
+    pub laws: Vec<ChordLaw>,
 }
 
 impl Chords {
     /// Tension of each segment [N], shape `[segment]`.
     pub fn tensions_n(&self, positions_mm: &[Vec3]) -> Vec<f64> {
         (0..self.ends.len())
-            .map(|index| self.tension(index, self.offset(index, positions_mm).norm()))
+            .map(|index| {
+                let length = self.offset(index, positions_mm).norm();
+                self.area_mm2[index] * self.response(index, length).stress_mpa
+            })
             .collect()
     }
 
@@ -41,8 +49,9 @@ impl Chords {
             .sum()
     }
 
-    fn tension(&self, index: usize, length_mm: f64) -> f64 {
-        self.axial_stiffness_n[index] * (length_mm / self.rest_length_mm[index] - 1.0).max(0.0)
+    fn response(&self, index: usize, length_mm: f64) -> ChordResponse {
+        let law = &self.laws[self.group[index] as usize];
+        response(law, length_mm / self.rest_length_mm[index] - 1.0)
     }
 
     fn offset(&self, index: usize, positions_mm: &[Vec3]) -> Vec3 {
@@ -59,12 +68,12 @@ impl Chords {
     }
 }
 
-/// Elastic energy of all chordae [N·mm]: ½ E·A·L ε² where taut.
+/// Elastic energy of all chordae [N·mm]: the law's, times the unloaded volume A·L.
 pub fn energy(chords: &Chords, positions_mm: &[Vec3]) -> f64 {
     (0..chords.ends.len())
         .map(|index| {
-            let strain = chords.offset(index, positions_mm).norm() / chords.rest_length_mm[index] - 1.0;
-            0.5 * chords.axial_stiffness_n[index] * chords.rest_length_mm[index] * strain.max(0.0).powi(2)
+            let response = chords.response(index, chords.offset(index, positions_mm).norm());
+            chords.area_mm2[index] * chords.rest_length_mm[index] * response.energy_mpa
         })
         .sum()
 }
@@ -74,7 +83,7 @@ pub fn add_gradient(chords: &Chords, positions_mm: &[Vec3], gradient_n: &mut [Ve
     for index in 0..chords.ends.len() {
         let offset = chords.offset(index, positions_mm);
         let length = offset.norm();
-        let tension = chords.tension(index, length);
+        let tension = chords.area_mm2[index] * chords.response(index, length).stress_mpa;
         if tension == 0.0 {
             continue;
         }
@@ -89,11 +98,13 @@ pub fn add_gradient(chords: &Chords, positions_mm: &[Vec3], gradient_n: &mut [Ve
 pub fn add_hessian(chords: &Chords, positions_mm: &[Vec3], sink: &mut impl BlockSink) {
     for index in 0..chords.ends.len() {
         let offset = chords.offset(index, positions_mm);
-        let length = offset.norm();
-        let taut = length > chords.rest_length_mm[index];
-        let tangent = chords.axial_stiffness_n[index] / chords.rest_length_mm[index];
-        let tangent = if taut { tangent } else { 0.0 };
-        let block = line_block(offset, chords.tension(index, length), tangent);
+        let response = chords.response(index, offset.norm());
+        let (area, rest_length) = (chords.area_mm2[index], chords.rest_length_mm[index]);
+        let block = line_block(
+            offset,
+            area * response.stress_mpa,
+            area * response.modulus_mpa / rest_length,
+        );
         add_shared(chords, index, &block, sink);
     }
 }

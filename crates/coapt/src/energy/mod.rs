@@ -8,6 +8,9 @@
 pub mod bending;
 pub mod bilinear_spring;
 pub mod chord;
+pub mod chord_law;
+pub mod dead_load;
+pub mod membrane;
 pub mod pressure;
 
 use crate::{Mat3, Vec3};

@@ -37,7 +37,7 @@ pub struct PapillaryMeasures {
     pub force_n: [f64; 3],
 }
 
-/// Tension of each chord segment [N], shape `[segment]`: `E A (l/L₀ - 1)`, zero when slack (paper 003, section 2.2).
+/// Tension of each chord segment [N], shape `[segment]`: section times the stress of its group's law at `l/L₀ - 1`, zero when slack.
 pub fn chord_forces(model: &Model, positions_mm: &[Vec3]) -> Vec<f64> {
     let positions_mm = super::usable_positions(model, positions_mm);
     model.chords.tensions_n(positions_mm)
@@ -107,6 +107,7 @@ mod tests {
     use super::*;
     use crate::energy::chord::Chords;
     use crate::model::Papillary;
+    use crate::scene::ChordLaw;
 
     /// A 2 × 2 sheet whose corner 0 hangs by a trunk of two segments from a tip at (0, 0, -10), branching to corner 1,
     /// and a slack chord to corner 2.
@@ -120,8 +121,9 @@ mod tests {
             points: (0..6).map(|vertex| vec![(vertex, 1.0)]).collect(),
             ends: vec![[tip, node], [node, 0], [node, 1], [tip, 2]],
             rest_length_mm: vec![4.0, 4.0, 29f64.sqrt() / 1.1, 50.0],
-            axial_stiffness_n: vec![20.0, 10.0, 30.0, 40.0],
+            area_mm2: vec![2.0, 1.0, 3.0, 4.0],
             group: vec![1, 0, 0, 1],
+            laws: vec![ChordLaw::Linear { modulus_mpa: 10.0 }; 2],
         };
         model.chord_groups = vec!["marginal".into(), "strut".into()];
         model.papillary = vec![Papillary {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::distance::triangle_area;
-use super::surface::{Surface, leaflet_bit};
+use super::surface::{Surface, leaflet_bit, surface};
 use crate::Vec3;
 use crate::model::Model;
 
@@ -16,8 +16,8 @@ pub struct LeafletMeasures {
     pub area_rest_mm2: f64,
     /// Area as measured [mm²].
     pub area_mm2: f64,
-    /// 95th percentile of the edge strain `l/L₀ - 1` over the springs on this leaflet's faces [mm/mm], interpolated
-    /// linearly between ranks; zero without springs.
+    /// 95th percentile of the strain `l/L₀ - 1` of the edges of this leaflet's faces [mm/mm], interpolated linearly between
+    /// ranks.
     pub strain_p95: f64,
 }
 
@@ -30,15 +30,12 @@ pub(super) fn leaflets(model: &Model, s: &Surface) -> Vec<LeafletMeasures> {
             *measured += triangle_area(s.corners(f));
         }
     }
-    let strain = spring_strain(model, s.positions_mm);
+    let strain = edge_strain(s);
     let on_leaflet = |leaflet: usize| -> Vec<f64> {
-        let pairs = model.springs.ends.iter().zip(&strain);
         let bit = leaflet_bit(leaflet as u32);
-        pairs
-            .filter(|(ends, _)| {
-                s.edge(ends[0], ends[1])
-                    .is_some_and(|e| s.edge_leaflets[e] & bit != 0)
-            })
+        let edges = s.edge_leaflets.iter().zip(&strain);
+        edges
+            .filter(|(leaflets, _)| *leaflets & bit != 0)
             .map(|(_, &strain)| strain)
             .collect()
     };
@@ -53,13 +50,14 @@ pub(super) fn leaflets(model: &Model, s: &Surface) -> Vec<LeafletMeasures> {
         .collect()
 }
 
-/// Mean strain of the springs at each vertex [mm/mm], shape `[vertex]`; zero where there are none. The mean, not the
+/// Mean strain of the leaflet edges at each vertex [mm/mm], shape `[vertex]`; zero where there are none. The mean, not the
 /// largest, because a single short edge says little of the tissue about it.
 pub fn vertex_strain(model: &Model, positions_mm: &[Vec3]) -> Vec<f64> {
     let positions_mm = super::usable_positions(model, positions_mm);
     let mut sum = vec![0.0; positions_mm.len()];
     let mut count = vec![0u32; positions_mm.len()];
-    for (ends, strain) in model.springs.ends.iter().zip(spring_strain(model, positions_mm)) {
+    let s = surface(model, positions_mm);
+    for (ends, strain) in s.edges.iter().zip(edge_strain(&s)) {
         for &v in ends {
             sum[v as usize] += strain;
             count[v as usize] += 1;
@@ -71,11 +69,12 @@ pub fn vertex_strain(model: &Model, positions_mm: &[Vec3]) -> Vec<f64> {
         .collect()
 }
 
-/// Strain of each spring; one of no rest length has none.
-fn spring_strain(model: &Model, positions_mm: &[Vec3]) -> Vec<f64> {
-    let springs = model.springs.ends.iter().zip(&model.springs.rest_length_mm);
-    springs
-        .map(|(&ends, &rest)| strain(positions_mm, ends, rest))
+/// Strain of each edge of the mesh; one of no unloaded length has none.
+fn edge_strain(s: &Surface) -> Vec<f64> {
+    let rest_mm = |[a, b]: [u32; 2]| (s.rest_mm[a as usize] - s.rest_mm[b as usize]).norm();
+    let edges = s.edges.iter();
+    edges
+        .map(|&ends| strain(s.positions_mm, ends, rest_mm(ends)))
         .collect()
 }
 
@@ -103,7 +102,6 @@ fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::surface::surface;
     use super::super::test_models::sheet;
     use super::*;
 

@@ -2,13 +2,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::surface::surface;
 use crate::Vec3;
-use crate::energy::{bilinear_spring::Springs, chord::Chords};
+use crate::energy::chord::Chords;
 use crate::model::{AnnulusLandmarks, LeafletTissue, Margin, Model};
-use crate::scene::{Contact, Settings};
+use crate::scene::{Contact, Settings, Tissue};
 
-/// A model of nothing but geometry, with a spring on every edge.
+/// A model of nothing but geometry.
 pub(super) fn model_of(
     points: Vec<Vec3>,
     faces: Vec<[u32; 3]>,
@@ -21,19 +20,22 @@ pub(super) fn model_of(
     let leaflet = |i: u32| LeafletTissue {
         name: format!("leaflet {i}"),
         thickness_mm: 1.0,
+        tissue: Tissue::default(),
     };
-    let mut model = Model {
+    Model {
         name: "test".into(),
         leaflet_vertex_count: points.len(),
         rest_mm: points,
         faces,
         face_leaflet,
         leaflets: (0..leaflet_count).map(leaflet).collect(),
-        springs: Springs::default(),
+        springs: Default::default(),
+        membranes: Default::default(),
         hinges: Default::default(),
         chords: Chords::default(),
         chord_groups: vec![],
         pressure_mpa: 0.0133,
+        dead_loads_n: vec![],
         // Shapes with known answers are made for this thickness.
         contact: Contact {
             thickness_mm: 0.5,
@@ -52,11 +54,7 @@ pub(super) fn model_of(
         },
         prescribed: vec![],
         settings: Settings::default(),
-    };
-    model.springs.ends = surface(&model, &model.rest_mm).edges;
-    let rest = |&[a, b]: &[u32; 2]| (model.rest_mm[a as usize] - model.rest_mm[b as usize]).norm();
-    model.springs.rest_length_mm = model.springs.ends.iter().map(rest).collect();
-    model
+    }
 }
 
 /// The D-shaped saddle of two half ellipses with raised horns, counter-clockwise seen from +z; +x the anterolateral
@@ -218,6 +216,7 @@ pub(super) fn commissure_valve(n: usize, rows: usize) -> Model {
     let leaflet = |name: &str| LeafletTissue {
         name: name.into(),
         thickness_mm: 1.0,
+        tissue: Tissue::default(),
     };
     model.leaflets = vec![leaflet("anterior"), leaflet("posterior")];
     model

@@ -2,10 +2,11 @@
 
 use super::annulus::{self, Found};
 use super::chordae::{self, Strung};
+use super::elasticity::{Elasticity, Sheet, elasticity};
 use super::faults::Faults;
 use super::surface::{self, Surface};
 use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
-use super::{annulus_checks, cleaning, facing, hinges, springs, validate};
+use super::{annulus_checks, cleaning, facing, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
 use crate::mesh::polyline;
@@ -113,20 +114,36 @@ fn assemble(
     let tissue = |leaflet: &crate::scene::Leaflet| LeafletTissue {
         name: leaflet.name.clone(),
         thickness_mm: leaflet.thickness_mm,
+        tissue: leaflet.tissue,
     };
+    let leaflets: Vec<LeafletTissue> = scene.leaflets.iter().map(tissue).collect();
+    let sheet = Sheet {
+        rest_mm: &surface.points,
+        faces: &surface.faces,
+        face_leaflet: &surface.face_leaflet,
+        annulus: &found.annulus.vertices,
+        leaflets: &leaflets,
+    };
+    let Elasticity {
+        springs,
+        membranes,
+        hinges,
+    } = elasticity(&sheet, edges);
     Model {
         name: scene.name.clone(),
         landmarks: find_landmarks(scene, surface, edges, found, faults),
-        springs: springs::springs(surface, edges, &scene.leaflets),
-        hinges: hinges::hinges(surface, edges, &scene.leaflets),
+        springs,
+        membranes,
+        hinges,
         chords: strung.chords,
         rest_mm,
         leaflet_vertex_count,
         faces: surface.faces.clone(),
         face_leaflet: surface.face_leaflet.clone(),
-        leaflets: scene.leaflets.iter().map(tissue).collect(),
+        leaflets,
         chord_groups: scene.chordae.iter().map(|group| group.name.clone()).collect(),
         pressure_mpa: scene.load.pressure_mpa().unwrap_or(0.0),
+        dead_loads_n: Vec::new(),
         contact: scene.contact,
         annulus: found.annulus.vertices.clone(),
         margins: annulus::margins(found, loops),

@@ -8,7 +8,7 @@ use super::faults::Faults;
 use super::surface::Surface;
 use crate::Vec3;
 use crate::energy::chord::Chords;
-use crate::scene::Scene;
+use crate::scene::{ChordGroup, Scene};
 
 /// Rest lengths outside these multiples of the open end distance are doubted (hard limits of plausible slack and
 /// pre-stretch; our choice).
@@ -109,7 +109,11 @@ fn number(
     let nodes: Vec<Vec3> = anchors.iter().filter_map(node).collect();
     let first_tip = (leaflet.len() + nodes.len()) as u32;
     let mut vertices = leaflet.len() as u32..first_tip;
-    let (mut chords, mut number) = (Chords::default(), BTreeMap::new());
+    let mut chords = Chords {
+        laws: scene.chordae.iter().map(ChordGroup::law).collect(),
+        ..Chords::default()
+    };
+    let mut number = BTreeMap::new();
     for &anchor in &anchors {
         number.insert(anchor, chords.points.len() as u32);
         chords.points.push(match anchor {
@@ -131,7 +135,7 @@ fn number(
         chords
             .rest_length_mm
             .push((length + (pulling - drawn)).max(0.1 * length));
-        chords.axial_stiffness_n.push(axial_stiffness(scene, segment));
+        chords.area_mm2.push(area_mm2(scene, segment));
         chords.group.push(segment.group);
     }
     Strung { chords, nodes }
@@ -167,11 +171,12 @@ fn rest_length(scene: &Scene, segment: &Segment, distance: f64, faults: &mut Fau
     length
 }
 
-fn axial_stiffness(scene: &Scene, segment: &Segment) -> f64 {
+/// Given, else that of a round rod.
+fn area_mm2(scene: &Scene, segment: &Segment) -> f64 {
     let group = &scene.chordae[segment.group as usize];
     let areas = group.mesh.as_ref().and_then(|mesh| mesh.area_mm2.as_ref());
     let round = std::f64::consts::FRAC_PI_4 * group.diameter_mm.powi(2);
-    group.modulus_mpa * areas.map_or(round, |areas| areas[segment.number as usize])
+    areas.map_or(round, |areas| areas[segment.number as usize])
 }
 
 #[cfg(test)]
@@ -179,6 +184,7 @@ mod tests {
     use super::super::fixtures::{COLUMNS, ROWS, built, faults, lines, skirt, skirt_point, told};
     use super::*;
     use crate::model::Model;
+    use crate::scene::ChordLaw;
 
     fn at(model: &Model, segment: usize, end: usize) -> Vec3 {
         let chords = &model.chords;
@@ -197,8 +203,9 @@ mod tests {
         for (i, rest) in chords.rest_length_mm.iter().enumerate() {
             assert_eq!(*rest, distance([at(&model, i, 0), at(&model, i, 1)]));
         }
-        // E A with the default rod of 1 mm and 30 MPa.
-        assert_eq!(chords.axial_stiffness_n[0], 30.0 * std::f64::consts::FRAC_PI_4);
+        // The default rod of 1 mm and 30 MPa.
+        assert_eq!(chords.area_mm2[0], std::f64::consts::FRAC_PI_4);
+        assert_eq!(chords.laws, [ChordLaw::Linear { modulus_mpa: 30.0 }]);
     }
 
     #[test]
@@ -209,7 +216,7 @@ mod tests {
         lines(&mut scene).area_mm2 = Some(vec![0.5; 6]);
         let model = built(&scene).model;
         assert_eq!(model.chords.rest_length_mm, [10.0 * 1.1; 6]);
-        assert_eq!(model.chords.axial_stiffness_n, [15.0; 6]);
+        assert_eq!(model.chords.area_mm2, [0.5; 6]);
     }
 
     #[test]

@@ -87,6 +87,7 @@ fn chords() -> ChordGroup {
         mesh: Some(mesh),
         diameter_mm: 1.0,
         modulus_mpa: 30.0,
+        law: None,
         rest_length_scale: 1.0,
         insertion_radius_mm: 0.0,
     }

@@ -1,28 +1,19 @@
 //! Bending stiffness from the leaflets' moduli.
 
-use super::surface::Surface;
+use super::LeafletTissue;
+use super::elasticity::Sheet;
 use crate::Vec3;
 use crate::energy::bending::Hinges;
-use crate::mesh::topology::{self, Edges};
-use crate::model::Model;
-use crate::scene::{Leaflet, Tissue};
+use crate::mesh::topology::Edges;
+use crate::scene::Tissue;
 
-/// Poisson's ratio that springs along edges have built in.
+/// Poisson's ratio that springs along edges have built in; membranes bend with it too.
 const POISSON_RATIO: f64 = 1.0 / 3.0;
 
-/// One hinge per edge between two faces where tissue resists bending.
-pub(crate) fn hinges(surface: &Surface, edges: &Edges, leaflets: &[Leaflet]) -> Hinges {
-    let plate = |face: u32| plate_stiffness_n_mm(&leaflets[surface.face_leaflet[face as usize] as usize]);
-    of_faces(&surface.points, &surface.faces, edges, plate)
-}
-
-/// The same from the plate stiffness of each face [N·mm]; an edge has the mean of its two.
-pub(crate) fn of_faces(
-    rest_mm: &[Vec3],
-    faces: &[[u32; 3]],
-    edges: &Edges,
-    plate_n_mm: impl Fn(u32) -> f64,
-) -> Hinges {
+/// One hinge per edge between two faces where tissue resists bending, with the mean plate stiffness of the two.
+pub(super) fn hinges(sheet: &Sheet, edges: &Edges) -> Hinges {
+    let plates: Vec<f64> = sheet.leaflets.iter().map(plate_stiffness_n_mm).collect();
+    let plate_n_mm = |face: u32| plates[sheet.face_leaflet[face as usize] as usize];
     let mut hinges = Hinges::default();
     for (edge, &[a, b]) in edges.ends.iter().enumerate() {
         let &[one, other] = edges.faces_of(edge) else {
@@ -30,14 +21,14 @@ pub(crate) fn of_faces(
         };
         let stiffness = 0.5 * (plate_n_mm(one) + plate_n_mm(other));
         let [Some(c), Some(d)] = [one, other].map(|face| {
-            let corners = faces[face as usize];
+            let corners = sheet.faces[face as usize];
             corners.into_iter().find(|&v| v != a && v != b)
         }) else {
             continue;
         };
         if stiffness > 0.0 {
             let vertices = [a, b, c, d];
-            let (weights, area) = weights_and_area(vertices.map(|vertex| rest_mm[vertex as usize]));
+            let (weights, area) = weights_and_area(vertices.map(|vertex| sheet.rest_mm[vertex as usize]));
             hinges.vertices.push(vertices);
             hinges.weights.push(weights);
             hinges.stiffness_n_per_mm.push(stiffness / area);
@@ -46,43 +37,28 @@ pub(crate) fn of_faces(
     hinges
 }
 
-/// The mean plate stiffness of each leaflet [N·mm], found back from its hinges: those between its own faces.
-pub(crate) fn plates_n_mm(model: &Model) -> Vec<f64> {
-    let mut sums = vec![(0.0, 0.0); model.leaflets.len()];
-    let edges = topology::edges(&model.faces);
-    let hinge_of: std::collections::BTreeMap<[u32; 2], usize> = model
-        .hinges
-        .vertices
-        .iter()
-        .enumerate()
-        .map(|(hinge, &[a, b, ..])| ([a, b], hinge))
-        .collect();
-    for (edge, ends) in edges.ends.iter().enumerate() {
-        let (Some(&hinge), &[one, other]) = (hinge_of.get(ends), edges.faces_of(edge)) else {
-            continue;
-        };
-        let [leaflet, neighbour] = [one, other].map(|face| model.face_leaflet[face as usize] as usize);
-        if leaflet == neighbour {
-            let corners = model.hinges.vertices[hinge].map(|vertex| model.rest_mm[vertex as usize]);
-            let (_, area) = weights_and_area(corners);
-            sums[leaflet].0 += model.hinges.stiffness_n_per_mm[hinge] * area;
-            sums[leaflet].1 += 1.0;
-        }
-    }
-    sums.into_iter()
-        .map(|(sum, count)| if count > 0.0 { sum / count } else { 0.0 })
-        .collect()
-}
-
 /// D = E t³ / (12 (1 − ν²)) [N·mm].
-fn plate_stiffness_n_mm(leaflet: &Leaflet) -> f64 {
-    let Tissue::BilinearSprings {
-        pre_transition_modulus_mpa,
-        bending_modulus_ratio,
-        ..
-    } = leaflet.tissue;
-    let modulus = bending_modulus_ratio * pre_transition_modulus_mpa;
-    modulus * leaflet.thickness_mm.powi(3) / (12.0 * (1.0 - POISSON_RATIO * POISSON_RATIO))
+fn plate_stiffness_n_mm(leaflet: &LeafletTissue) -> f64 {
+    let modulus_mpa = match leaflet.tissue {
+        Tissue::BilinearSprings {
+            pre_transition_modulus_mpa,
+            bending_modulus_ratio,
+            ..
+        } => bending_modulus_ratio * pre_transition_modulus_mpa,
+        Tissue::AnisotropicSprings {
+            bending_modulus_mpa, ..
+        }
+        | Tissue::StVenantKirchhoff {
+            bending_modulus_mpa, ..
+        }
+        | Tissue::Exponential {
+            bending_modulus_mpa, ..
+        }
+        | Tissue::MayNewman {
+            bending_modulus_mpa, ..
+        } => bending_modulus_mpa,
+    };
+    modulus_mpa * leaflet.thickness_mm.powi(3) / (12.0 * (1.0 - POISSON_RATIO * POISSON_RATIO))
 }
 
 /// Angles of unloaded triangles below this count as this in a hinge, as a cotangent [1]: 10°. The lever of a needle is its
@@ -118,12 +94,12 @@ fn weights_and_area([a, b, c, d]: [Vec3; 4]) -> ([f64; 4], f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixtures::skirt;
     use super::*;
     use crate::energy::bending;
+    use crate::mesh::topology;
 
     /// 20 rows of 20 pairs of equilateral triangles, sides 1 mm.
-    fn sheet() -> Surface {
+    fn lattice() -> (Vec<Vec3>, Vec<[u32; 3]>) {
         const STEPS: u32 = 20;
         let row = STEPS + 1;
         let place = |v: u32| {
@@ -134,24 +110,40 @@ mod tests {
         let faces: Vec<[u32; 3]> = cells
             .flat_map(|v| [[v, v + 1, v + row], [v + 1, v + row + 1, v + row]])
             .collect();
-        Surface {
-            points: (0..row * row).map(place).collect(),
-            face_leaflet: vec![0; faces.len()],
-            faces,
-            ..Surface::default()
+        ((0..row * row).map(place).collect(), faces)
+    }
+
+    /// The hinges of a lattice of default tissue, 2 mm thick, with some ratio of the bending modulus to the soft one.
+    fn hinges_of(points: &[Vec3], faces: &[[u32; 3]], ratio: f64) -> Hinges {
+        let mut leaflet = LeafletTissue {
+            name: "plate".into(),
+            thickness_mm: 2.0,
+            tissue: Tissue::default(),
+        };
+        if let Tissue::BilinearSprings {
+            bending_modulus_ratio,
+            ..
+        } = &mut leaflet.tissue
+        {
+            *bending_modulus_ratio = ratio;
         }
+        let sheet = Sheet {
+            rest_mm: points,
+            faces,
+            face_leaflet: &vec![0; faces.len()],
+            annulus: &[],
+            leaflets: &[leaflet],
+        };
+        hinges(&sheet, &topology::edges(faces))
     }
 
     /// Rolled to a cylinder of radius R, a plate stores D / 2R² per area, in whatever direction. 6 %: two faces in 40 along
     /// each side have a border instead of a hinge.
     #[test]
     fn a_rolled_sheet_stores_what_a_plate_does() {
-        let surface = sheet();
-        let edges = topology::edges(&surface.faces);
-        let mut leaflets = skirt().leaflets;
-        leaflets[0].thickness_mm = 2.0;
-        let hinges = hinges(&surface, &edges, &leaflets);
-        let flat = bending::energy(&hinges, &surface.points);
+        let (points, faces) = lattice();
+        let hinges = hinges_of(&points, &faces, 6.0);
+        let flat = bending::energy(&hinges, &points);
         assert!(flat < 1e-20, "{flat}");
         for (radius, turn) in [(15.0, 0.0), (15.0, 0.7), (-30.0, 1.3_f64)] {
             let (sin, cos) = f64::sin_cos(turn);
@@ -163,14 +155,9 @@ mod tests {
                     radius * (along / radius).cos(),
                 )
             };
-            let rolled: Vec<Vec3> = surface.points.iter().map(roll).collect();
-            let area: f64 = (0..surface.faces.len())
-                .map(|f| {
-                    let [p, q, r] = surface.corners(f);
-                    0.5 * (q - p).cross(&(r - p)).norm()
-                })
-                .sum();
-            // The default modulus is six times the soft one of 0.08 MPa.
+            let rolled: Vec<Vec3> = points.iter().map(roll).collect();
+            // Each face is half of a rhomb with sides of 1 mm.
+            let area = faces.len() as f64 * 0.75_f64.sqrt() / 2.0;
             let expected = 6.0 * 0.08 * 8.0 / (12.0 * 8.0 / 9.0) * area / (2.0 * radius * radius);
             let found = bending::energy(&hinges, &rolled);
             assert!((found / expected - 1.0).abs() < 0.06, "{found} {expected}");
@@ -179,14 +166,7 @@ mod tests {
 
     #[test]
     fn tissue_without_bending_stiffness_has_no_hinges() {
-        let surface = sheet();
-        let mut leaflets = skirt().leaflets;
-        let Tissue::BilinearSprings {
-            bending_modulus_ratio,
-            ..
-        } = &mut leaflets[0].tissue;
-        *bending_modulus_ratio = 0.0;
-        let edges = topology::edges(&surface.faces);
-        assert_eq!(hinges(&surface, &edges, &leaflets), Hinges::default());
+        let (points, faces) = lattice();
+        assert_eq!(hinges_of(&points, &faces, 0.0), Hinges::default());
     }
 }

@@ -7,23 +7,29 @@ mod build;
 mod chord_checks;
 mod chordae;
 mod cleaning;
+pub mod elasticity;
 mod facing;
 mod faults;
+pub mod fibres;
 #[cfg(test)]
 pub(crate) mod fixtures;
-pub(crate) mod hinges;
+mod hinges;
 mod insertion;
-pub(crate) mod springs;
+mod membranes;
+mod springs;
 mod surface;
 mod validate;
 mod validate_numbers;
+mod validate_tissue;
 
 pub use build::Built;
 
 use crate::Vec3;
-use crate::energy::{bending::Hinges, bilinear_spring::Springs, chord::Chords};
+use crate::energy::{
+    bending::Hinges, bilinear_spring::Springs, chord::Chords, dead_load::DeadLoads, membrane::Membranes,
+};
 pub use crate::mesh::landmarks::AnnulusLandmarks;
-use crate::scene::{Contact, Settings};
+use crate::scene::{Contact, Settings, Tissue};
 
 /// A valve ready to be closed. Vertices: leaflets first, then chord nodes, then papillary tips.
 #[derive(Clone, Debug)]
@@ -40,8 +46,10 @@ pub struct Model {
     pub face_leaflet: Vec<u32>,
     /// The leaflets.
     pub leaflets: Vec<LeafletTissue>,
-    /// Leaflet springs.
+    /// Springs along the edges of leaflets made of them.
     pub springs: Springs,
+    /// Triangles of leaflets made of membrane.
+    pub membranes: Membranes,
     /// Edges about which the leaflets resist bending.
     pub hinges: Hinges,
     /// Chordae.
@@ -50,6 +58,8 @@ pub struct Model {
     pub chord_groups: Vec<String>,
     /// Transvalvular pressure [MPa].
     pub pressure_mpa: f64,
+    /// Forces on vertices besides [N]; a scene gives none.
+    pub dead_loads_n: DeadLoads,
     /// How leaflets touch.
     pub contact: Contact,
     /// Annulus vertices in order around the orifice, counter-clockwise seen from the atrium. For a single patch that
@@ -67,13 +77,15 @@ pub struct Model {
     pub settings: Settings,
 }
 
-/// What a report says of a leaflet's make.
+/// What a leaflet is made of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafletTissue {
     /// Name.
     pub name: String,
     /// Thickness [mm].
     pub thickness_mm: f64,
+    /// Its law. Springs, membranes and hinges are made of it, here and on coarser meshes.
+    pub tissue: Tissue,
 }
 
 /// A boundary of the leaflets that is not annulus.

@@ -2,7 +2,8 @@
 
 use super::faults::Faults;
 use super::validate_numbers::{lines, not_negative, points, positive, same_count, surface};
-use crate::scene::{Annulus, ChordGroup, Leaflet, PapillaryMuscle, SCHEMA_VERSION, Scene, Tissue};
+use super::validate_tissue;
+use crate::scene::{Annulus, ChordGroup, Leaflet, PapillaryMuscle, SCHEMA_VERSION, Scene};
 
 /// Pressures above this are taken but doubted [mmHg]: no human ventricle has been measured there.
 const DOUBTFUL_PRESSURE_MMHG: f64 = 400.0;
@@ -40,7 +41,7 @@ fn leaflet(leaflet: &Leaflet, place: &str, faults: &mut Faults) {
         "mm",
         faults,
     );
-    tissue(&leaflet.tissue, &format!("{place}.tissue"), faults);
+    validate_tissue::tissue(&leaflet.tissue, &format!("{place}.tissue"), faults);
     match &leaflet.mesh {
         Some(mesh) => surface(mesh, &format!("{place}.mesh"), faults),
         None => faults.error(
@@ -54,45 +55,6 @@ fn missing(file: Option<&str>, key: &str) -> String {
     match file {
         Some(file) => format!("`{file}` has not been read into the scene"),
         None => format!("is absent; give it here or name a `{key}`"),
-    }
-}
-
-fn tissue(tissue: &Tissue, place: &str, faults: &mut Faults) {
-    let Tissue::BilinearSprings {
-        pre_transition_modulus_mpa: soft,
-        transition_strain,
-        post_transition_modulus_mpa: stiff,
-        compression_modulus_ratio,
-        bending_modulus_ratio,
-    } = *tissue;
-    positive(
-        soft,
-        &format!("{place}.pre_transition_modulus_mpa"),
-        "MPa",
-        faults,
-    );
-    positive(
-        stiff,
-        &format!("{place}.post_transition_modulus_mpa"),
-        "MPa",
-        faults,
-    );
-    positive(
-        transition_strain,
-        &format!("{place}.transition_strain"),
-        "",
-        faults,
-    );
-    for (ratio, key) in [
-        (compression_modulus_ratio, "compression_modulus_ratio"),
-        (bending_modulus_ratio, "bending_modulus_ratio"),
-    ] {
-        not_negative(ratio, &format!("{place}.{key}"), "", faults);
-    }
-    if stiff < soft {
-        let message =
-            format!("is {stiff} MPa, below the pre-transition modulus {soft} MPa; collagen stiffens tissue");
-        faults.error(format!("{place}.post_transition_modulus_mpa"), message);
     }
 }
 
@@ -142,6 +104,9 @@ fn papillary(muscle: &PapillaryMuscle, place: &str, faults: &mut Faults) {
 fn chord_group(group: &ChordGroup, place: &str, faults: &mut Faults) {
     positive(group.diameter_mm, &format!("{place}.diameter_mm"), "mm", faults);
     positive(group.modulus_mpa, &format!("{place}.modulus_mpa"), "MPa", faults);
+    if let Some(law) = &group.law {
+        validate_tissue::chord_law(law, &format!("{place}.law"), faults);
+    }
     positive(
         group.rest_length_scale,
         &format!("{place}.rest_length_scale"),
@@ -194,7 +159,7 @@ fn pressure(scene: &Scene, faults: &mut Faults) {
 
 fn settings(scene: &Scene, faults: &mut Faults) {
     positive(scene.contact.thickness_mm, "contact.thickness_mm", "mm", faults);
-    positive(
+    not_negative(
         scene.contact.stiffness_mpa,
         "contact.stiffness_mpa",
         "MPa",
@@ -241,6 +206,7 @@ fn landmarks(scene: &Scene, faults: &mut Faults) {
 mod tests {
     use super::super::fixtures::{built, faults, lines, mesh, skirt, told};
     use super::*;
+    use crate::scene::Tissue;
 
     /// A change to a good scene, where it must be told, and in which words.
     type Wrong = (fn(&mut Scene), &'static str, &'static str);

@@ -51,7 +51,7 @@ pub fn certify(
         crossings: crossings(surface, positions_mm),
         max_penetration_mm: deepest.map_or(0.0, |(depth, _)| depth),
         max_penetration_at_mm: deepest.map(|(_, place)| place),
-        discretisation_mm: discretisation_mm(model, positions_mm),
+        discretisation_mm: discretisation_mm(model, surface, positions_mm),
     }
 }
 
@@ -76,7 +76,7 @@ const ERROR_PER_EDGE: f64 = 0.02;
 
 /// An arc that turns by θ over h stands θ h / 8 off its chord. At each edge between two faces, θ is the angle between
 /// them and h how wide they are together over two; folds weigh as what they are, the sharpest bends.
-fn discretisation_mm(model: &Model, positions_mm: &[Vec3]) -> f64 {
+fn discretisation_mm(model: &Model, surface: &Surface, positions_mm: &[Vec3]) -> f64 {
     let edges = topology::edges(&model.faces);
     let at = |vertex: u32| positions_mm[vertex as usize];
     let normal = |face: u32| {
@@ -96,7 +96,5 @@ fn discretisation_mm(model: &Model, positions_mm: &[Vec3]) -> f64 {
     if total == 0.0 {
         return 0.0;
     }
-    let lengths = &model.springs.rest_length_mm;
-    let mean_edge_mm = lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
-    ERROR_PER_SAGITTA * (moment / total).sqrt() + ERROR_PER_EDGE * mean_edge_mm
+    ERROR_PER_SAGITTA * (moment / total).sqrt() + ERROR_PER_EDGE * surface.mean_edge_mm
 }

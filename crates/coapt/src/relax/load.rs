@@ -4,7 +4,8 @@ use crate::Vec3;
 use crate::contact::pairs::Pair;
 use crate::contact::touch::{Touch, touches};
 use crate::contact::{penalty, surface::face_area_mm2};
-use crate::energy::{BlockSink, Curvature, bending, bilinear_spring, chord, pressure};
+use crate::energy::{BlockSink, Curvature, bending, bilinear_spring, chord, dead_load, membrane, pressure};
+use crate::mesh::topology;
 use crate::model::Model;
 
 /// Gradient of all energies, minus the pressure force [N], shape `[vertex]`. Zero on free vertices in
@@ -19,10 +20,12 @@ pub fn gradient(model: &Model, pairs: &[Pair], positions_mm: &[Vec3]) -> Vec<Vec
 pub fn gradient_into(model: &Model, touches: &[Touch], positions_mm: &[Vec3], gradient: &mut [Vec3]) {
     gradient.fill(Vec3::zeros());
     bilinear_spring::add_gradient(&model.springs, positions_mm, gradient);
+    membrane::add_gradient(&model.membranes, positions_mm, gradient);
     bending::add_gradient(&model.hinges, positions_mm, gradient);
     chord::add_gradient(&model.chords, positions_mm, gradient);
     penalty::add_gradient(touches, model.contact.stiffness_mpa, positions_mm, gradient);
     pressure::add_gradient(&model.faces, model.pressure_mpa, positions_mm, gradient);
+    dead_load::add_gradient(&model.dead_loads_n, gradient);
 }
 
 /// Hands out the blocks of the tangent that are always there. The exact one includes the symmetric part of the
@@ -51,6 +54,7 @@ pub fn add_varying_tangent(
     sink: &mut impl BlockSink,
 ) {
     bilinear_spring::add_hessian(&model.springs, positions_mm, sink);
+    membrane::add_hessian(&model.membranes, positions_mm, sink);
     chord::add_hessian(&model.chords, positions_mm, sink);
     if curvature == Curvature::Exact {
         pressure::add_symmetric_tangent(&model.faces, model.pressure_mpa, positions_mm, sink);
@@ -112,30 +116,50 @@ impl Merit {
             .zip(&self.linear_n)
             .map(|((x, x0), force)| force.dot(&(x - x0)))
             .sum();
-        bilinear_spring::energy(&model.springs, positions_mm)
+        tissue_energy(model, positions_mm)
             + bending::energy(&model.hinges, positions_mm)
             + chord::energy(&model.chords, positions_mm)
             + penalty::energy(touches, model.contact.stiffness_mpa, positions_mm)
             + pressure::potential(&model.faces, model.pressure_mpa, self.apex_mm, positions_mm)
+            + dead_load::energy(&model.dead_loads_n, positions_mm)
             + linear
     }
 }
 
-/// The force that residuals are measured by: the mean pressure force per leaflet vertex on the unloaded area,
-/// or, without pressure, what a strain of 1e-3 gives in a mean spring [N].
+/// Energy of springs and membranes [N·mm].
+fn tissue_energy(model: &Model, positions_mm: &[Vec3]) -> f64 {
+    bilinear_spring::energy(&model.springs, positions_mm) + membrane::energy(&model.membranes, positions_mm)
+}
+
+/// The force that residuals are measured by: the mean pressure force per leaflet vertex on the unloaded area, or, without
+/// pressure, what a strain of 1e-3 in all directions gives along a mean edge [N].
+///
+/// Springs k of length L store U = Σ ½ k L² ε² at a strain ε and pull with k L ε; their mean pull, weighted by length, is
+/// 2 U / (ε Σ L), and that is taken for membranes too.
 pub fn reference_force_n(model: &Model) -> f64 {
     let area: f64 = model
         .faces
         .iter()
         .map(|face| face_area_mm2(face, &model.rest_mm))
         .sum();
-    let springs = &model.springs;
-    let spring_force: f64 = springs
-        .soft_n_per_mm
-        .iter()
-        .zip(&springs.rest_length_mm)
-        .map(|(k, l)| k * l)
-        .sum();
     let of_pressure = model.pressure_mpa * area / model.leaflet_vertex_count.max(1) as f64;
-    of_pressure.max(1e-3 * spring_force / springs.ends.len().max(1) as f64)
+    of_pressure.max(force_of_strain_n(model))
+}
+
+const REFERENCE_STRAIN: f64 = 1e-3;
+
+fn force_of_strain_n(model: &Model) -> f64 {
+    let stretched: Vec<Vec3> = model
+        .rest_mm
+        .iter()
+        .map(|place| place * (1.0 + REFERENCE_STRAIN))
+        .collect();
+    let edges = topology::edges(&model.faces).ends;
+    let length = |&[a, b]: &[u32; 2]| (model.rest_mm[a as usize] - model.rest_mm[b as usize]).norm();
+    let total_mm: f64 = edges.iter().map(length).sum();
+    if total_mm > 0.0 {
+        2.0 * tissue_energy(model, &stretched) / (REFERENCE_STRAIN * total_mm)
+    } else {
+        0.0
+    }
 }

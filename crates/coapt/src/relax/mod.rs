@@ -74,7 +74,7 @@ pub fn relax(model: &Model, start: &State) -> Equilibrium {
     let mut newton = Newton::new(model);
     let mut positions = start.positions_mm.clone();
     let mut history = Vec::new();
-    if !crossings(&newton.surface, &positions).is_empty() {
+    if model.contact.is_on() && !crossings(&newton.surface, &positions).is_empty() {
         return conclude(&mut newton, positions, Status::TangledStart, history);
     }
     newton.evaluate(&positions);

@@ -183,8 +183,10 @@ impl<'a> Newton<'a> {
     /// Gathers the pairs in reach and computes the force at a place.
     pub(super) fn evaluate(&mut self, positions: &[Vec3]) {
         self.step.fill(Vec3::zeros());
-        let place = place(self.model, &self.surface, positions);
-        self.pairs.gather(&place, &self.step, &mut self.near);
+        if self.model.contact.is_on() {
+            let place = place(self.model, &self.surface, positions);
+            self.pairs.gather(&place, &self.step, &mut self.near);
+        }
         touches_into(&self.near, positions, &mut self.touches);
         load::gradient_into(self.model, &self.touches, positions, &mut self.gradient);
     }
@@ -200,6 +202,9 @@ impl<'a> Newton<'a> {
 
     /// Bounds the step, vertex by vertex, so that nothing passes through anything; gathers the pairs along it.
     pub(super) fn bound_step(&mut self, positions: &[Vec3]) {
+        if !self.model.contact.is_on() {
+            return;
+        }
         let place = place(self.model, &self.surface, positions);
         let (step, near) = (&mut self.step, &mut self.near);
         bound_steps(&mut self.pairs, &place, step, near, &mut self.allowances);

@@ -135,15 +135,32 @@ fn annulus_bounds(prefix: &str, annulus: &AnnulusDimensions) -> Vec<Bound> {
     )
 }
 
-fn leaflet_bounds(p: &ValveParameters) -> Vec<Bound> {
-    let l = &p.leaflets;
+/// Of springs, which presets are made of; other laws are checked when the model is built.
+fn tissue_bounds(tissue: &Tissue) -> Vec<Bound> {
     let Tissue::BilinearSprings {
-        pre_transition_modulus_mpa,
+        pre_transition_modulus_mpa: soft,
         transition_strain,
-        post_transition_modulus_mpa,
+        post_transition_modulus_mpa: stiff,
         compression_modulus_ratio,
         bending_modulus_ratio,
-    } = l.tissue;
+    } = *tissue
+    else {
+        return Vec::new();
+    };
+    named(
+        "leaflets.tissue.",
+        &[
+            ("pre_transition_modulus_mpa", soft, 1e-6, 1e4),
+            ("transition_strain", transition_strain, 0.0, 2.0),
+            ("post_transition_modulus_mpa", stiff, 1e-6, 1e4),
+            ("compression_modulus_ratio", compression_modulus_ratio, 0.0, 10.0),
+            ("bending_modulus_ratio", bending_modulus_ratio, 0.0, 1e3),
+        ],
+    )
+}
+
+fn leaflet_bounds(p: &ValveParameters) -> Vec<Bound> {
+    let l = &p.leaflets;
     let mut bounds = named(
         "leaflets.",
         &[
@@ -154,28 +171,9 @@ fn leaflet_bounds(p: &ValveParameters) -> Vec<Bound> {
             ("opening_angle_deg", l.opening_angle_deg, -30.0, 80.0),
             ("annular_turn_deg", l.annular_turn_deg, -60.0, 90.0),
             ("thickness_mm", l.thickness_mm, 0.01, 20.0),
-            (
-                "tissue.pre_transition_modulus_mpa",
-                pre_transition_modulus_mpa,
-                1e-6,
-                1e4,
-            ),
-            ("tissue.transition_strain", transition_strain, 0.0, 2.0),
-            (
-                "tissue.post_transition_modulus_mpa",
-                post_transition_modulus_mpa,
-                1e-6,
-                1e4,
-            ),
-            (
-                "tissue.compression_modulus_ratio",
-                compression_modulus_ratio,
-                0.0,
-                10.0,
-            ),
-            ("tissue.bending_modulus_ratio", bending_modulus_ratio, 0.0, 1e3),
         ],
     );
+    bounds.extend(tissue_bounds(&l.tissue));
     bounds.extend(components(
         "leaflets.anterior_heights_mm",
         l.anterior_heights_mm,

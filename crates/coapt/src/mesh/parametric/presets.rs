@@ -135,21 +135,18 @@ fn restrict(valve: &mut ValveParameters) {
     valve.chordae.rest_length_scale = 0.87;
 }
 
-/// A tissue with both moduli and the transition strain multiplied.
-fn scaled(tissue: Tissue, modulus: f64, transition: f64) -> Tissue {
-    match tissue {
-        Tissue::BilinearSprings {
-            pre_transition_modulus_mpa,
-            transition_strain,
-            post_transition_modulus_mpa,
-            compression_modulus_ratio,
-            bending_modulus_ratio,
-        } => Tissue::BilinearSprings {
-            pre_transition_modulus_mpa: pre_transition_modulus_mpa * modulus,
-            transition_strain: transition_strain * transition,
-            post_transition_modulus_mpa: post_transition_modulus_mpa * modulus,
-            compression_modulus_ratio,
-            bending_modulus_ratio,
-        },
+/// Springs with both moduli and the transition strain multiplied; presets are made of springs.
+fn scaled(mut tissue: Tissue, modulus: f64, transition: f64) -> Tissue {
+    if let Tissue::BilinearSprings {
+        pre_transition_modulus_mpa,
+        transition_strain,
+        post_transition_modulus_mpa,
+        ..
+    } = &mut tissue
+    {
+        *pre_transition_modulus_mpa *= modulus;
+        *transition_strain *= transition;
+        *post_transition_modulus_mpa *= modulus;
     }
+    tissue
 }

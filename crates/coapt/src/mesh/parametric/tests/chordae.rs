@@ -134,7 +134,10 @@ fn presets_are_what_their_names_say() {
         let Tissue::BilinearSprings {
             post_transition_modulus_mpa,
             ..
-        } = scene.leaflets[0].tissue;
+        } = scene.leaflets[0].tissue
+        else {
+            panic!("presets are made of springs");
+        };
         post_transition_modulus_mpa
     };
     assert!(modulus(barlow) < modulus(healthy) && modulus(healthy) < modulus(restricted));

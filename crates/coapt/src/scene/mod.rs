@@ -3,7 +3,14 @@
 //! A scene may name mesh files. The library never opens them: `coapt-io` reads a scene and puts the geometry
 //! in the `mesh` fields. [`crate::model::Model::build`] then checks all of it and reports every fault it finds.
 
+mod chordae;
+mod tissue;
+
 use serde::{Deserialize, Serialize};
+
+pub(crate) use chordae::default_insertion_radius_mm;
+pub use chordae::{ChordGroup, ChordLaw, LineMesh};
+pub use tissue::{SpringBranches, Tissue, Wrinkling};
 
 /// The scene layout that this version reads and writes.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -104,73 +111,6 @@ pub struct SurfaceMesh {
     pub annulus_displacement_mm: Option<Vec<[f64; 3]>>,
 }
 
-/// A stress-strain law with its constants.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, tag = "law", rename_all = "kebab-case")]
-pub enum Tissue {
-    /// Isotropic network of edge springs, soft up to a transition strain and stiff beyond (paper 003).
-    BilinearSprings {
-        /// Modulus below the transition strain [MPa].
-        #[serde(default = "default_pre_transition_modulus_mpa")]
-        pre_transition_modulus_mpa: f64,
-        /// Strain at which the collagen takes over [mm/mm]; 0.25 in paper 003.
-        #[serde(default = "default_transition_strain")]
-        transition_strain: f64,
-        /// Modulus above the transition strain [MPa].
-        #[serde(default = "default_post_transition_modulus_mpa")]
-        post_transition_modulus_mpa: f64,
-        /// Modulus in compression over the pre-transition modulus [1].
-        #[serde(default = "default_compression_modulus_ratio")]
-        compression_modulus_ratio: f64,
-        /// Modulus in bending over the pre-transition modulus [1]; 0: the leaflets bend freely.
-        #[serde(default = "default_bending_modulus_ratio")]
-        bending_modulus_ratio: f64,
-    },
-}
-
-/// Excised anterior leaflet, pre-transitional 0.06-0.09 MPa (Krishnamurthy 2009, abstract). Paper 003 prints
-/// no moduli; 0.08 lies within the measured range.
-fn default_pre_transition_modulus_mpa() -> f64 {
-    0.08
-}
-
-/// Paper 003, section 2.2.
-fn default_transition_strain() -> f64 {
-    0.25
-}
-
-/// Excised anterior leaflet, post-transitional 2-9 MPa (Krishnamurthy 2009, abstract); 4 is our choice in it.
-fn default_post_transition_modulus_mpa() -> f64 {
-    4.0
-}
-
-/// Our choice: the soft branch goes on into compression. Much softer and the margin crumples at mesh scale.
-fn default_compression_modulus_ratio() -> f64 {
-    1.0
-}
-
-/// 0.48 MPa with the default modulus. Porcine aortic leaflets in flexure: 0.49 MPa with their curvature, 0.70 against it
-/// (Merryman 2006, J Biomech 39:88); nothing was found for mitral ones. Paper 003 has no bending; without it nothing but
-/// the mesh says how narrow a fold is, and folds at the commissures and on an open margin come out otherwise from every
-/// start. At 1, a plate of the soft modulus, they still do; at 20 the leaflets no longer lie down on each other
-/// (coaptation of the healthy valve falls by 40 %).
-fn default_bending_modulus_ratio() -> f64 {
-    6.0
-}
-
-impl Default for Tissue {
-    fn default() -> Self {
-        Self::BilinearSprings {
-            pre_transition_modulus_mpa: default_pre_transition_modulus_mpa(),
-            transition_strain: default_transition_strain(),
-            post_transition_modulus_mpa: default_post_transition_modulus_mpa(),
-            compression_modulus_ratio: default_compression_modulus_ratio(),
-            bending_modulus_ratio: default_bending_modulus_ratio(),
-        }
-    }
-}
-
 /// Which boundary points of the leaflets are annulus. The first of these that is given decides: points marked in
 /// the leaflet meshes, a curve, else the boundary loop that lies farthest from the papillary tips.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -210,74 +150,6 @@ pub struct PapillaryMuscle {
     /// Prescribed motion of each tip to the closed phase [mm], shape `[tip]`; empty: the tips stay.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub displacements_mm: Vec<[f64; 3]>,
-}
-
-/// Chordae of one kind: tension-only rods. A chord may branch and may be a polyline of several segments.
-/// An end is welded to the papillary tip, the leaflet point or the other chord end that it lies on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct ChordGroup {
-    /// Name in reports, for example `marginal`.
-    pub name: String,
-    /// File with line cells (.vtk, .vtp), relative to the scene file. Cell arrays `rest_length_mm` and
-    /// `area_mm2` are read where present.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub mesh_file: Option<String>,
-    /// The segments themselves, instead of a file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub mesh: Option<LineMesh>,
-    /// Rod diameter [mm] where the mesh gives no areas; 1 mm in paper 003.
-    #[serde(default = "default_chord_diameter_mm")]
-    pub diameter_mm: f64,
-    /// Young's modulus in tension [MPa].
-    #[serde(default = "default_chord_modulus_mpa")]
-    pub modulus_mpa: f64,
-    /// Factor on all rest lengths [1]: below 1 shortens, above 1 elongates.
-    #[serde(default = "default_rest_length_scale")]
-    pub rest_length_scale: f64,
-    /// Leaflet tissue this near an insertion shares the chord's pull, most in the middle [mm]; 0: the point alone.
-    #[serde(default = "default_insertion_radius_mm")]
-    pub insertion_radius_mm: f64,
-}
-
-/// Paper 003, section 2.2.
-fn default_chord_diameter_mm() -> f64 {
-    1.0
-}
-
-/// Paper 003 prints none. Kunzelman & Cochran 1990 as quoted in paper 000: marginal 33, basal 21 MPa beyond
-/// the toe; 30 is our choice in that range.
-fn default_chord_modulus_mpa() -> f64 {
-    30.0
-}
-
-fn default_rest_length_scale() -> f64 {
-    1.0
-}
-
-/// Our choice: chordae flare into the leaflet over two to three millimetres. A membrane gives way without bound under a
-/// pull on a point: with 0 the belly sinks by another half millimetre each time the mesh is refined; beyond 2 the fans
-/// of neighbouring chordae run into one another.
-pub(crate) fn default_insertion_radius_mm() -> f64 {
-    1.5
-}
-
-/// Line segments with what is known of each.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct LineMesh {
-    /// Points in the open phase [mm], shape `[point]`.
-    pub points_mm: Vec<[f64; 3]>,
-    /// Segments as point numbers from 0, shape `[segment]`.
-    pub segments: Vec<[u32; 2]>,
-    /// Unloaded length of each segment [mm], shape `[segment]`; absent: its length in the open phase.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rest_length_mm: Option<Vec<f64>>,
-    /// Cross-section of each segment [mm²], shape `[segment]`; absent: from the group's diameter.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub area_mm2: Option<Vec<f64>>,
 }
 
 /// The transvalvular pressure at peak systole, in exactly one unit.
@@ -322,7 +194,8 @@ impl Load {
 pub struct Contact {
     /// Mid-surface distance at which contact begins [mm].
     pub thickness_mm: f64,
-    /// Scale of the contact pressure [MPa]; see [`crate::contact`] for the law.
+    /// Scale of the contact pressure [MPa]; see [`crate::contact`] for the law. 0: leaflets pass through each other, as in
+    /// models without contact.
     pub stiffness_mpa: f64,
 }
 
@@ -335,6 +208,13 @@ impl Default for Contact {
             thickness_mm: 1.0,
             stiffness_mpa: 0.5,
         }
+    }
+}
+
+impl Contact {
+    /// Whether leaflets touch at all.
+    pub fn is_on(&self) -> bool {
+        self.stiffness_mpa > 0.0
     }
 }
 
