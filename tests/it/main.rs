@@ -6,5 +6,6 @@ mod closure;
 mod coarsen;
 mod contact;
 mod derivatives;
+mod kaiser;
 mod roads;
 mod stress;
