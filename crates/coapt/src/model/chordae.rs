@@ -1,10 +1,11 @@
-//! Chordae ready to pull: every segment between two vertices, with rest length and stiffness.
+//! Chordae ready to pull: every rod between two chord points, with rest length, cross-section and law.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::attachment::{self, Anchor, Attached, Segment};
 use super::chord_checks::{check_components, refuse_short_circuits};
 use super::faults::Faults;
+use super::strands::{self, Rod};
 use super::surface::Surface;
 use crate::Vec3;
 use crate::energy::chord::Chords;
@@ -93,7 +94,7 @@ fn drop_free_ends(attached: &mut Attached, leaflet: &[Vec3], faults: &mut Faults
     }
 }
 
-/// Gives vertices numbers and segments their constants.
+/// Gives vertices numbers and rods their constants.
 fn number(
     scene: &Scene,
     attached: &Attached,
@@ -101,7 +102,13 @@ fn number(
     tips: &[Vec3],
     faults: &mut Faults,
 ) -> Strung {
-    let anchors: BTreeSet<Anchor> = attached.segments.iter().flat_map(|s| s.ends).collect();
+    let segments = attached.segments.iter();
+    let rods = strands::join(
+        segments
+            .map(|segment| rod(scene, attached, segment, leaflet, tips, faults))
+            .collect(),
+    );
+    let anchors: BTreeSet<Anchor> = rods.iter().flat_map(|rod| rod.ends).collect();
     let node = |anchor: &Anchor| match *anchor {
         Anchor::Node(node) => Some(attached.nodes[node as usize]),
         _ => None,
@@ -109,11 +116,11 @@ fn number(
     let nodes: Vec<Vec3> = anchors.iter().filter_map(node).collect();
     let first_tip = (leaflet.len() + nodes.len()) as u32;
     let mut vertices = leaflet.len() as u32..first_tip;
+    let mut number = BTreeMap::new();
     let mut chords = Chords {
         laws: scene.chordae.iter().map(ChordGroup::law).collect(),
         ..Chords::default()
     };
-    let mut number = BTreeMap::new();
     for &anchor in &anchors {
         number.insert(anchor, chords.points.len() as u32);
         chords.points.push(match anchor {
@@ -123,22 +130,48 @@ fn number(
             Anchor::Node(_) => vertices.next().map(|vertex| (vertex, 1.0)).into_iter().collect(),
         });
     }
-    let vertices_mm = [leaflet, &nodes, tips].concat();
-    for segment in &attached.segments {
-        let ends = segment.ends.map(|end| number[&end]);
-        let drawn = distance(segment.ends.map(|end| place(attached, tips, end)));
-        let pulling = distance(ends.map(|end| chords.point_mm(end, &vertices_mm)));
-        chords.ends.push(ends);
-        // Lengths are given to the insertion; the chord pulls at the middle of its patch, at a margin a little inward.
-        // In no geometry does that take up the whole chord.
-        let length = rest_length(scene, segment, drawn, faults);
-        chords
-            .rest_length_mm
-            .push((length + (pulling - drawn)).max(0.1 * length));
-        chords.area_mm2.push(area_mm2(scene, segment));
-        chords.group.push(segment.group);
+    for rod in &rods {
+        chords.ends.push(rod.ends.map(|end| number[&end]));
+        chords.rest_length_mm.push(rod.rest_length_mm);
+        chords.area_mm2.push(rod.area_mm2);
+        chords.group.push(rod.group);
     }
     Strung { chords, nodes }
+}
+
+/// Lengths are given to the insertion; the chord pulls at the middle of its patch, at a margin a little inward. In no
+/// geometry does that take up the whole chord.
+fn rod(
+    scene: &Scene,
+    attached: &Attached,
+    segment: &Segment,
+    leaflet: &[Vec3],
+    tips: &[Vec3],
+    faults: &mut Faults,
+) -> Rod {
+    let drawn = distance(segment.ends.map(|end| place(attached, tips, end)));
+    let pulling = distance(segment.ends.map(|end| pull_mm(attached, leaflet, tips, end)));
+    let length = rest_length(scene, segment, drawn, faults);
+    Rod {
+        ends: segment.ends,
+        group: segment.group,
+        rest_length_mm: (length + (pulling - drawn)).max(0.1 * length),
+        area_mm2: area_mm2(scene, segment),
+    }
+}
+
+/// Where a chord end pulls.
+fn pull_mm(attached: &Attached, leaflet: &[Vec3], tips: &[Vec3], end: Anchor) -> Vec3 {
+    match end {
+        Anchor::Leaflet(insertion) => {
+            let shares = &attached.insertions[insertion as usize].vertices;
+            shares
+                .iter()
+                .map(|&(vertex, share)| leaflet[vertex as usize] * share)
+                .sum()
+        }
+        Anchor::Tip(_) | Anchor::Node(_) => place(attached, tips, end),
+    }
 }
 
 /// Where a chord end was drawn or welded to.
@@ -231,9 +264,10 @@ mod tests {
         mesh.segments[1] = [1, 8];
         mesh.segments.push([8, 2]);
         let model = built(&scene).model;
-        assert_eq!(model.rest_mm.len(), model.leaflet_vertex_count + 3 + 2);
+        // The point before is an inner one of the same rod.
+        assert_eq!(model.rest_mm.len(), model.leaflet_vertex_count + 2 + 2);
         let drawn = end + step * 0.3;
-        assert!((at(&model, 6, 1) - drawn).norm() <= 0.3);
+        assert!((at(&model, 1, 1) - drawn).norm() <= 0.3);
     }
 
     #[test]
@@ -256,9 +290,9 @@ mod tests {
         mesh.segments[5] = [5, 9];
         mesh.segments.push([9, 6]);
         let model = built(&scene).model;
-        assert_eq!(at(&model, 1, 1).z, skirt_point(12, ROWS - 1)[2] - 0.9, "passes");
+        assert_eq!(at(&model, 1, 1), Vec3::from(skirt_point(11, ROWS - 1)), "passes");
         assert_eq!(at(&model, 4, 1), Vec3::from(skirt_point(0, ROWS - 1)));
-        assert_eq!(at(&model, 7, 1), Vec3::from(skirt_point(0, ROWS - 1)));
+        assert_eq!(at(&model, 5, 1), Vec3::from(skirt_point(0, ROWS - 1)));
     }
 
     #[test]
@@ -298,7 +332,7 @@ mod tests {
         let mesh = lines(&mut scene);
         mesh.points_mm.push([-10.0, 0.0, -18.0]);
         mesh.segments.extend([[0, 8], [8, 2]]);
-        assert_eq!(built(&scene).model.chords.ends.len(), 8);
+        assert_eq!(built(&scene).model.chords.ends.len(), 7);
     }
 
     #[test]

@@ -17,6 +17,7 @@ mod hinges;
 mod insertion;
 mod membranes;
 mod springs;
+mod strands;
 mod surface;
 mod validate;
 mod validate_numbers;

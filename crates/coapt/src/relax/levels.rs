@@ -4,11 +4,13 @@
 //! same fifteen to thirty iterations at 650 faces and at 10,000. The way that the fine vertices took does not matter, as
 //! long as nothing crosses where they begin; where something would, they walk there from the open valve, bounded by contact.
 
+use super::load::reference_force_n;
 use super::newton::Newton;
 use super::{Iteration, Status};
 use crate::Vec3;
 use crate::coarsen::coarsen;
 use crate::contact::crossing::crossings;
+use crate::energy::chord_law::response;
 use crate::model::Model;
 
 /// Leaflet vertices of the fine model per vertex of the coarse one [1]: edges twice as long. Where the carried-over shape
@@ -52,6 +54,7 @@ fn carried_over(model: &Model, vertex_target: usize, history: &mut Vec<Iteration
     let settings = &mut coarse.model.settings;
     settings.residual_tolerance = settings.residual_tolerance.max(COARSE_TOLERANCE);
     settings.iteration_limit = settings.iteration_limit.min(COARSE_ITERATION_LIMIT);
+    soften(&mut coarse.model);
     let mut newton = Newton::new(&coarse.model);
     newton.step_limit_mm *= COARSE_STEP;
     // Whether the coarse valve is stable does not matter.
@@ -68,4 +71,23 @@ fn carried_over(model: &Model, vertex_target: usize, history: &mut Vec<Iteration
         shape[prescribed.vertex as usize] = prescribed.target_mm;
     }
     Some(shape)
+}
+
+/// Chordae of a coarse valve give at least so much under their share of the load [mm].
+const COARSE_CHORD_STRETCH_MM: f64 = 0.1;
+
+/// Makes chordae so thin that each gives by [`COARSE_CHORD_STRETCH_MM`] under its share of the pressure's force.
+///
+/// A stiff rod that passes from slack to taut within a step throws the valve about: it carries nothing, then a hundred times
+/// its load, and every such kink costs iterations.
+fn soften(model: &mut Model) {
+    let count = model.chords.ends.len().max(1) as f64;
+    let share_n = reference_force_n(model) * model.leaflet_vertex_count as f64 / count;
+    let chords = &mut model.chords;
+    for index in 0..chords.ends.len() {
+        let rest_length_mm = chords.rest_length_mm[index];
+        let law = &chords.laws[chords.group[index] as usize];
+        let stress_mpa = response(law, COARSE_CHORD_STRETCH_MM / rest_length_mm).stress_mpa;
+        chords.area_mm2[index] = chords.area_mm2[index].min(share_n / stress_mpa);
+    }
 }

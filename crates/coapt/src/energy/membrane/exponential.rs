@@ -40,14 +40,29 @@ pub fn response(constants: &Constants, metric: &Metric) -> Response {
 /// I₁ of incompressible tissue with its first and second derivatives by c₁₁, c₂₂, c₁₂ [1].
 pub(super) fn first_invariant(metric: &Metric) -> (f64, Vector3<f64>, Matrix3<f64>) {
     let (determinant, slope) = determinant(metric);
-    let inverse = 1.0 / determinant;
-    let square = inverse * inverse;
+    let [inverse, first, second] = bounded_inverse(determinant);
     let twice = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -2.0);
     (
         metric[0] + metric[1] + inverse,
-        Vector3::new(1.0, 1.0, 0.0) - slope * square,
-        slope * slope.transpose() * (2.0 * square * inverse) - twice * square,
+        Vector3::new(1.0, 1.0, 0.0) + slope * first,
+        slope * slope.transpose() * second + twice * first,
     )
+}
+
+/// Tissue squeezed to less than half of its area is not what any of these laws was made for, but a solver on its way comes
+/// by: below this square of that the inverse of det C is the parabola that fits it there, and stays finite.
+const LEAST_DETERMINANT: f64 = 0.25;
+
+/// 1/d, or its parabola: value, slope, curvature.
+fn bounded_inverse(determinant: f64) -> [f64; 3] {
+    let below = (determinant - LEAST_DETERMINANT).min(0.0);
+    let inverse = 1.0 / determinant.max(LEAST_DETERMINANT);
+    let [slope, curvature] = [-inverse * inverse, 2.0 * inverse * inverse * inverse];
+    [
+        inverse + below * (slope + 0.5 * below * curvature),
+        slope + below * curvature,
+        curvature,
+    ]
 }
 
 /// det C and its slope. What has collapsed to a line keeps a little area: 1e-6 of the unloaded.

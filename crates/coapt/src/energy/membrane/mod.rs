@@ -225,6 +225,6 @@ pub(crate) fn bounded_exponential(exponent: f64) -> [f64; 3] {
     ]
 }
 
-/// Tissue at work reaches exponents of 2 to 6. A solver on its way strays beyond, and there e^Q would soon be infinite; at 12
-/// the stresses are a hundred times those that tear tissue. At 6 the parabola would begin to be seen.
-const MOST_EXPONENT: f64 = 12.0;
+/// Tissue at work reaches exponents of 2 to 5. A solver on its way strays beyond, where e^Q makes walls that it cannot see
+/// over; at 8 the stresses are ten times those at work. At 5 the parabola would begin to be seen.
+const MOST_EXPONENT: f64 = 8.0;
