@@ -3,7 +3,7 @@
 use super::indexed::IndexedSurface;
 use super::{CompareSettings, ComparedSurface};
 use crate::Vec3;
-use crate::measure::plane::{AnnularPlane, annular_plane, vector_area};
+use crate::measure::plane::{AnnularPlane, annular_plane, length_closed, vector_area};
 use crate::mesh::topology::{boundary_edges, chains, components, edges};
 use crate::scene::Fault;
 
@@ -14,9 +14,11 @@ const LOOKS_NOWHERE: f64 = 0.01;
 /// Directions farther apart than this [degree] are told: annuli of one heart differ by a few degrees.
 const DIRECTIONS_APART_DEG: f64 = 30.0;
 
-/// Tissue so much higher above its annular plane than it hangs below [mm] is told: the deepest part of a closed valve
-/// is its coapted margin, which hangs, while a billow rises by some millimetres.
-const STANDS_UP_MM: f64 = 1.0;
+/// Faces are taken to look to the ventricle if on their side of the annulus tissue stands this many times as far out
+/// [1], and this much farther [mm], as on the other. The coapted margin of a closed valve hangs by a centimetre or so; a
+/// billow seldom rises as high, and where it does the faces are believed, so that it takes two times to turn them.
+const TURNED_TIMES: f64 = 2.0;
+const TURNED_MM: f64 = 2.0;
 
 /// The planes of result and reference. Where one surface does not tell, it is seen as the other one is; neither has one
 /// where neither tells.
@@ -62,31 +64,31 @@ fn own_plane(
     warnings: &mut Vec<Fault>,
 ) -> Option<AnnularPlane> {
     let Some(plane) = annulus(surface).and_then(|curve| annular_plane(&curve, curve[0])) else {
-        let looks: Vec3 = (0..surface.faces.len())
-            .map(|f| vector_area(&indexed.corners(f)))
-            .sum();
+        let looks = indexed.looks_mm2();
         let area: f64 = indexed.face_area_mm2.iter().sum();
         return (looks.norm() > LOOKS_NOWHERE * area).then(|| plane_across(indexed, looks))?;
     };
-    let heights = || {
-        let used = indexed.points_mm.iter().zip(&indexed.used).filter(|part| *part.1);
-        used.map(|(&p, _)| plane.local(p).z)
-    };
-    let (highest, lowest) = (heights().fold(0.0, f64::max), heights().fold(0.0, f64::min));
-    if highest > STANDS_UP_MM - lowest {
-        let message = format!(
-            "stands {highest:.1} mm above its annulus and hangs {:.1} mm below; expected to hang: do its faces turn \
-             to the ventricle? Then turn them, or give the atrial direction",
-            -lowest
-        );
-        warnings.push(Fault::warning(&surface.name, message));
+    let used = indexed.points_mm.iter().zip(&indexed.used).filter(|part| *part.1);
+    let (highest, lowest) = used.fold((0.0_f64, 0.0_f64), |(high, low), (&p, _)| {
+        let height = plane.local(p).z;
+        (high.max(height), low.min(height))
+    });
+    if highest <= TURNED_TIMES * -lowest + TURNED_MM {
+        return Some(plane);
     }
-    Some(plane)
+    let message = format!(
+        "its faces look to where it stands {highest:.1} mm out of its annulus, {:.1} mm on the other side; taken to \
+         look to the ventricle (if this valve billows as far, give the atrial direction)",
+        -lowest
+    );
+    warnings.push(Fault::warning(&surface.name, message));
+    plane_across(indexed, -plane.normal)
 }
 
-/// The rim that is the annulus: of points marked so, else, in one connected surface, the rim about the largest area.
-/// A free margin of a closed valve encloses hardly any, however long it is. Leaflets that do not hang together have a
-/// rim each, half annulus and half margin.
+/// The rim that is the annulus: of points marked so, else, in one connected surface, the rim that is largest and
+/// roundest, by A² / L² of the area that it encloses and its length. A free margin of a closed valve encloses hardly
+/// anything, one of an open valve is scalloped; a hole is round but small. Leaflets that do not hang together have a rim
+/// each, half annulus and half margin.
 fn annulus(surface: &ComparedSurface) -> Option<Vec<Vec3>> {
     let edges = edges(&surface.faces);
     let mut rim = boundary_edges(&surface.faces, &edges);
@@ -100,8 +102,8 @@ fn annulus(surface: &ComparedSurface) -> Option<Vec<Vec3>> {
         let vertices = chain.vertices.iter();
         vertices.map(|&v| surface.points_mm[v as usize]).collect()
     });
-    let area = |curve: &Vec<Vec3>| vector_area(curve).norm();
-    curves.max_by(|a, b| area(a).total_cmp(&area(b)))
+    let size = |curve: &Vec<Vec3>| vector_area(curve).norm() / length_closed(curve);
+    curves.max_by(|a, b| size(a).total_cmp(&size(b)))
 }
 
 /// The plane through the middle of a surface across a direction.

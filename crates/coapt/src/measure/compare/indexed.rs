@@ -6,6 +6,7 @@ use super::ComparedSurface;
 use crate::Vec3;
 use crate::contact::nearest::point_triangle;
 use crate::measure::distance::triangle_area;
+use crate::measure::plane::vector_area;
 use crate::measure::tree::{Tree, tree};
 
 /// A surface in some position, with areas and trees.
@@ -92,6 +93,13 @@ impl<'a> IndexedSurface<'a> {
     pub(super) fn middle_mm(&self) -> Vec3 {
         let parts = self.centroids_mm.iter().zip(&self.face_area_mm2);
         parts.map(|(centroid, area)| centroid * *area).sum::<Vec3>() / self.face_area_mm2.iter().sum::<f64>()
+    }
+
+    /// Sum of the area vectors of all faces [mm²]: where the surface looks on the whole.
+    pub(super) fn looks_mm2(&self) -> Vec3 {
+        (0..self.faces.len())
+            .map(|face| vector_area(&self.corners(face)))
+            .sum()
     }
 
     /// The lowest and the highest corner of the box about the surface [mm].

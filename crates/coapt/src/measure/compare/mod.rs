@@ -32,7 +32,7 @@ pub struct ComparedSurface {
     pub name: String,
     /// Points [mm], shape `[point]`. Those that no face uses do not count.
     pub points_mm: Vec<Vec3>,
-    /// Triangles as point numbers, shape `[face]`; they turn to the atrium.
+    /// Triangles as point numbers, shape `[face]`, looking to the atrium.
     pub faces: Vec<[u32; 3]>,
     /// The cell that each triangle is a part of, ascending, shape `[face]`: halves of one quadrilateral share it.
     /// Empty: each is its own.
@@ -110,7 +110,7 @@ pub struct ErrorMap {
     pub distance_mm: Vec<f64>,
     /// Distance to the reference after rigid alignment [mm].
     pub aligned_distance_mm: Vec<f64>,
-    /// `distance_mm`, negative behind the faces of the reference; none where these do not wind alike.
+    /// `distance_mm`, negative on the ventricular side of the reference; none where its faces do not wind alike.
     pub signed_distance_mm: Option<Vec<f64>>,
     /// Seen from the atrium.
     pub visible: Option<Vec<bool>>,
@@ -136,6 +136,7 @@ pub fn compare(
     let planes = annular::planes([(result, &here), (reference, &there)], settings, &mut warnings);
     let seen_here = regions::masks(result, &here, planes[0], settings.contact_thickness_mm);
     let seen_there = regions::masks(reference, &there, planes[1], settings.contact_thickness_mm);
+    let to_atrium = planes.map(|plane| plane.map(|plane| plane.normal));
     let nodes_correspond = checks::same_mesh(result, &here, reference, &there);
     let alignment = match nodes_correspond {
         true => align::on_nodes(&here, &there),
@@ -147,14 +148,14 @@ pub fn compare(
     let (as_given, feet) = rows::regions([&here, &there], sides, nodes_correspond);
     let (aligned, aligned_feet) = rows::regions([&moved, &there], sides, nodes_correspond);
     Ok(Comparison {
-        result: summary(&here, &seen_here, planes[0].map(|plane| plane.normal)),
-        reference: summary(&there, &seen_there, planes[1].map(|plane| plane.normal)),
+        result: summary(&here, &seen_here, to_atrium[0]),
+        reference: summary(&there, &seen_there, to_atrium[1]),
         nodes_correspond,
         as_given,
         aligned,
         alignment,
         map: ErrorMap {
-            signed_distance_mm: side::signed(&there, &here.points_mm, &feet),
+            signed_distance_mm: side::signed(&there, to_atrium[1], &here.points_mm, &feet),
             distance_mm: feet.iter().map(|foot| foot.distance_mm).collect(),
             aligned_distance_mm: aligned_feet.iter().map(|foot| foot.distance_mm).collect(),
             visible: seen_here.visible.map(|mask| mask.points),

@@ -5,13 +5,18 @@ use crate::Vec3;
 use crate::measure::plane::vector_area;
 use crate::mesh::topology::{edges, orient};
 
-/// The distance of each place to its foot, negative behind the faces of the surface; none where these do not wind
-/// alike, so that behind means nothing.
+/// The distance of each place to its foot, negative on the ventricular side of the surface; none where its faces do not
+/// wind alike, so that they have no sides. Without a direction to the atrium they are taken to look there.
 ///
 /// The side is that of the normal of the face; where the foot lies on a side or a corner of it, that of the sum of the
 /// normals about it, weighed by their angle there: with any other weight a point before the surface can seem to be
 /// behind (Bærentzen & Aanæs 2005). Beyond a rim the surface is taken to go on.
-pub(super) fn signed(surface: &IndexedSurface, places: &[Vec3], feet: &[Foot]) -> Option<Vec<f64>> {
+pub(super) fn signed(
+    surface: &IndexedSurface,
+    to_atrium: Option<Vec3>,
+    places: &[Vec3],
+    feet: &[Foot],
+) -> Option<Vec<f64>> {
     let mut faces = surface.faces.to_vec();
     let edges = edges(surface.faces);
     if !orient(&mut faces, &edges).is_ok_and(|turned| turned.is_empty()) {
@@ -37,9 +42,10 @@ pub(super) fn signed(surface: &IndexedSurface, places: &[Vec3], feet: &[Foot]) -
             _ => normals[foot.face],
         }
     };
+    let turned = to_atrium.is_some_and(|direction| surface.looks_mm2().dot(&direction) < 0.0);
     let one = |(&place, foot): (&Vec3, &Foot)| {
-        let before = (place - foot.place).dot(&normal(foot)) >= 0.0;
-        if before {
+        let height = (place - foot.place).dot(&normal(foot));
+        if if turned { height <= 0.0 } else { height >= 0.0 } {
             foot.distance_mm
         } else {
             -foot.distance_mm

@@ -421,19 +421,38 @@ fn where_the_atrium_is() {
     assert!(found.as_given.visible.is_none() && found.map.visible.is_none());
 }
 
-/// Faces turned the wrong way stand above their annulus, and against those of the other surface: both are told.
+/// Faces turned the wrong way look to where a bowl hangs, and are taken for what they are; unless a direction is given,
+/// against which nothing stands. Directions far apart, faces that do not wind alike and boxes far apart are told.
 #[test]
 fn wrong_sides_are_told() {
     let bowl = bowl(20.0, 8, 0.0);
     let mut turned = bowl.clone();
     turned.faces.iter_mut().for_each(|face| face.swap(0, 1));
     let found = compared(&turned, &bowl);
-    let said = |what: &str| found.warnings.iter().any(|w| w.message.contains(what));
+    let said = |found: &Comparison, what: &str| found.warnings.iter().any(|w| w.message.contains(what));
     assert!(
-        said("above its annulus") && said("180 degree away"),
+        said(&found, "taken to look to the ventricle"),
         "{:?}",
         found.warnings
     );
+    assert_eq!(found.warnings.len(), 1);
+    assert!(found.result.atrial_direction.unwrap()[2] > 1.0 - 1e-9);
+    assert!(found.result.visible_share.unwrap() > 1.0 - 1e-9);
+    // The sides of the reference are those of the atrium, not those of its faces: raised by 0.5 mm, walls of 60 degree
+    // lie 0.25 mm inside, more than facets sink.
+    let signs = [&bowl, &turned].map(|reference| {
+        let raised = moved(&bowl, &Isometry3::translation(0.0, 0.0, 0.5));
+        compared(&raised, reference).map.signed_distance_mm.unwrap()
+    });
+    assert!(signs.iter().flatten().all(|&d| d > 0.0), "{signs:?}");
+    let down = CompareSettings {
+        atrial_direction: Some(-Vec3::z()),
+        ..CompareSettings::default()
+    };
+    let found = compare(&turned, &bowl, &down).unwrap();
+    assert!(found.warnings.is_empty() && found.result.atrial_direction.unwrap()[2] < -1.0 + 1e-9);
+    let tilted = moved(&bowl, &Isometry3::rotation(Vec3::x()));
+    assert!(said(&compared(&tilted, &bowl), "57 degree away"));
     let mut mixed = bowl.clone();
     mixed.faces[7].swap(0, 1);
     assert_eq!(compared(&bowl, &mixed).map.signed_distance_mm, None);
@@ -466,13 +485,13 @@ fn the_side_is_true_at_a_spike() {
         .map(|a| Vec3::new(0.3 * a.cos(), 0.3 * a.sin(), 10.1))
         .collect();
     let surface = IndexedSurface::new(&spike, spike.points_mm.clone());
-    let outside = side::signed(&surface, &around, &surface.feet(&around)).unwrap();
+    let outside = side::signed(&surface, None, &around, &surface.feet(&around)).unwrap();
     assert!(outside.iter().all(|&d| d > 0.0), "{outside:?}");
     let inside: Vec<Vec3> = around
         .iter()
         .map(|p| Vec3::new(p.x * 0.1, p.y * 0.1, 8.0))
         .collect();
-    let inside = side::signed(&surface, &inside, &surface.feet(&inside)).unwrap();
+    let inside = side::signed(&surface, None, &inside, &surface.feet(&inside)).unwrap();
     assert!(inside.iter().all(|&d| d < 0.0), "{inside:?}");
 }
 
