@@ -42,8 +42,8 @@ pub fn text(report: &ComparisonReport) -> String {
     let _ = writeln!(out, "{:10} {meshes}", "meshes");
     let _ = writeln!(out, "{:10} {}", "alignment", alignment(c));
     unknown(&mut out, report);
-    table(&mut out, "AS GIVEN", &c.as_given, c);
-    table(&mut out, "AFTER RIGID ALIGNMENT", &c.aligned, c);
+    table(&mut out, "AS GIVEN, mm", &c.as_given, c);
+    table(&mut out, "AFTER RIGID ALIGNMENT, mm", &c.aligned, c);
     let _ = write!(out, "\n{DEFINITIONS}");
     if !report.warnings.is_empty() {
         out.push('\n');

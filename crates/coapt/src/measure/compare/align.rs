@@ -36,7 +36,7 @@ pub enum AlignmentMethod {
     /// Each node on its like, each counting the same (Kabsch).
     Nodes,
     /// Each point of the result, weighing as much as the area about it, on the nearest point of the reference's
-    /// surface, over and over (ICP, Besl & McKay 1992).
+    /// surface, over and over (ICP, Besl 1992).
     Surface,
 }
 
@@ -48,11 +48,11 @@ impl Alignment {
     }
 }
 
-/// Steps at most. Two valves need some ten; a sheet that slides on a plane comes to rest at once.
+/// Steps at most. Two meshes of a valve need some ten, valves that differ by a centimetre or 30 degree some twenty-five.
 const MOST_STEPS: usize = 100;
 
-/// It rests when a step lowers the root mean square by less than this part of it [1]: with the fast steps below what is
-/// left is less still, and no table shows it.
+/// It rests when a step lowers the root mean square by less than this part of it [1]: what is left is about as much, and
+/// no table shows it.
 const AT_REST: f64 = 1e-8;
 
 /// Below this part of the surfaces' size [1] the distance is rounding, and it rests too.
@@ -81,8 +81,8 @@ pub(super) fn on_nodes(result: &IndexedSurface, reference: &IndexedSurface) -> A
 
 /// Lays the result's points on the reference's surface.
 ///
-/// Steps of the classical method, Kabsch on the nearest points, never make it worse, but creep where surfaces slide on
-/// each other. So a step of Gauss and Newton is tried first, on the same sum of squared distances, and taken if it
+/// Steps of the classical method, Kabsch on the nearest points, never make it worse, but are short where surfaces slide
+/// on each other. So a step of Gauss and Newton is tried first, on the same sum of squared distances, and taken if it
 /// makes the distance less: both end where no small motion lowers the sum.
 pub(super) fn on_surface(result: &IndexedSurface, reference: &IndexedSurface) -> Alignment {
     let fit = Fit::new(result, reference);
@@ -235,5 +235,42 @@ fn alignment(
         rms_mm,
         rotation: [row(0), row(1), row(2)],
         offset_mm: motion.translation.vector.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{hills, moved};
+    use super::*;
+
+    /// The classical method, safe steps alone, ends at the same least root mean square, never rises on its way, and takes
+    /// four times as many steps (100 and 23). Fast steps stop when one gains less than 1e-8, and are then as near (found:
+    /// 1.2e-8); should they end elsewhere, 1e-6 tells.
+    #[test]
+    fn fast_steps_end_where_classical_ones_do() {
+        let (mut result, reference) = (hills(17), hills(20));
+        let bump = |p: &mut Vec3| p.z += 0.5 * (0.4 * p.x + 0.3 * p.y).sin();
+        result.points_mm.iter_mut().for_each(bump);
+        let motion = Isometry3::new(Vec3::new(1.0, 1.0, 0.5), Vec3::new(0.02, 0.03, -0.02));
+        let result = moved(&result, &motion);
+        let here = IndexedSurface::new(&result, result.points_mm.clone());
+        let there = IndexedSurface::new(&reference, reference.points_mm.clone());
+        let fast = on_surface(&here, &there);
+        let fit = Fit::new(&here, &there);
+        let mut motion = Isometry3::identity();
+        let mut excess = Vec::new();
+        for _ in 0..1000 {
+            let matched = fit.matched(&motion);
+            excess.push(matched.rms_mm / fast.rms_mm[1] - 1.0);
+            motion = fit.kabsch(&matched) * motion;
+        }
+        assert!(excess.windows(2).all(|pair| pair[1] <= pair[0] + 1e-12));
+        assert!(excess[999].abs() < 1e-6, "{}", excess[999]);
+        let arrived = excess.iter().position(|&excess| excess < 1e-8);
+        assert!(
+            arrived > Some(2 * fast.iterations),
+            "{arrived:?} {}",
+            fast.iterations
+        );
     }
 }

@@ -60,7 +60,7 @@ fn bowl(radius_mm: f64, rings: u32, angle: f64) -> ComparedSurface {
 }
 
 /// Hills that no rigid motion maps on themselves, 40 mm wide, over a grid of `n` squares a side.
-fn hills(n: usize) -> ComparedSurface {
+pub(super) fn hills(n: usize) -> ComparedSurface {
     let mut surface = flat(n, 40.0);
     for p in &mut surface.points_mm {
         p.z = 3.0 * (0.21 * p.x).sin() + 2.0 * (0.17 * p.y + 0.05 * p.x).cos() - 0.01 * p.x * p.y;
@@ -68,7 +68,7 @@ fn hills(n: usize) -> ComparedSurface {
     surface
 }
 
-fn moved(surface: &ComparedSurface, motion: &Isometry3<f64>) -> ComparedSurface {
+pub(super) fn moved(surface: &ComparedSurface, motion: &Isometry3<f64>) -> ComparedSurface {
     let place = |p: &Vec3| motion.rotation * p + motion.translation.vector;
     ComparedSurface {
         points_mm: surface.points_mm.iter().map(place).collect(),
@@ -551,4 +551,51 @@ fn what_is_no_surface_is_refused() {
         contact_thickness_mm: f64::NAN,
     };
     assert_eq!(compare(&cases[1].0, &good, &settings).unwrap_err().len(), 3);
+}
+
+/// Scattered faces of any size, folded, doubled, without area, anywhere within a kilometre: every number is finite, and
+/// alignment makes nothing worse.
+#[test]
+fn odd_surfaces_have_finite_distances() {
+    let mut seed = 7u64;
+    let mut random = move || {
+        seed = seed
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (seed >> 33) as f64 / f64::from(1u32 << 31)
+    };
+    for (size, far) in [(1e-60, 0.0), (1e-6, 1e5), (10.0, 0.0), (10.0, 9e5), (9e5, 0.0)] {
+        let mut scatter = |count: usize| {
+            let mut place = || Vec3::new(random(), random(), random()) * size + Vec3::repeat(far);
+            let points_mm = (0..count).map(|_| place()).collect();
+            let mut corner = || (random() * count as f64) as u32;
+            let scattered = (0..2 * count).map(|_| [corner(), corner(), corner()]);
+            ComparedSurface {
+                points_mm,
+                // The first one has area.
+                faces: [[0, 1, 2]].into_iter().chain(scattered).collect(),
+                contact: Some((0..count).map(|v| v % 3 == 0).collect()),
+                ..ComparedSurface::default()
+            }
+        };
+        for count in [3, 7, 40] {
+            let found = compared(&scatter(count), &scatter(30));
+            for part in [
+                found.as_given.whole,
+                found.aligned.whole,
+                found.as_given.in_contact.unwrap(),
+            ] {
+                for d in surface_rows(&part) {
+                    let numbers = [d.mean_mm, d.sd_mm, d.rms_mm, d.p05_mm, d.p95_mm, d.max_mm];
+                    assert!(numbers.iter().all(|x| x.is_finite()), "{size} {far} {d:?}");
+                }
+            }
+            let a = found.alignment;
+            assert!(
+                a.offset_mm.iter().chain(&a.translation_mm).all(|x| x.is_finite()),
+                "{a:?}"
+            );
+            assert!(a.rms_mm[1] <= a.rms_mm[0] && a.rotation_deg.is_finite(), "{a:?}");
+        }
+    }
 }
