@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// How the comparison is printed
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Towards the atrium, in LPS, of any length [default: from the annulus of each surface, to where its faces look]
+    /// Towards the atrium, in LPS, of any length [default: from the rim of each surface that is its annulus]
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     atrial_direction: Option<Vec3>,
     /// Distance of mid-surfaces in contact [mm]: slits up to twice as wide hide what is in them from the atrium

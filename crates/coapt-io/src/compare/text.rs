@@ -20,7 +20,7 @@ Distances in mm, from where a row says to the whole of the other surface; parts 
 surface that is measured from. SD about the mean, divided by n: RMS2 = mean2 + SD2.
   vertices   to the nearest point of the other surface, each vertex counting the same, percentiles
              between ranks (result -> reference: paper 000; paper 003, weights not stated)
-  by area    the same, each vertex weighing a third of the area of its faces; percentiles of the area
+  by area    the same, each vertex weighing a third of its faces' area; percentiles of the area
   centroid   from each triangle's centroid to the nearest one of the reference (paper 002); meshes
              of one surface are a quarter of an edge apart, so never set it against the rows above
   node       from each node to its like, where both surfaces are one mesh
