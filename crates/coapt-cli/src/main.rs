@@ -11,6 +11,7 @@
 mod case;
 mod check;
 mod closure;
+mod compare;
 mod generate;
 mod output;
 mod study;
@@ -39,6 +40,8 @@ enum Verb {
     Closure(closure::Arguments),
     /// Read and validate a scene; list every fault with its line
     Check(check::Arguments),
+    /// Measure how far apart two surfaces lie, under every published definition
+    Compare(compare::Arguments),
     /// Write a parametric valve as a scene
     Generate(generate::Arguments),
     /// Close a valve at many settings; set error against time and find the knee
@@ -57,6 +60,7 @@ fn main() -> ExitCode {
     let outcome = match &arguments.verb {
         Verb::Closure(arguments) => closure::run(arguments),
         Verb::Check(arguments) => check::run(arguments),
+        Verb::Compare(arguments) => compare::run(arguments),
         Verb::Generate(arguments) => generate::run(arguments),
         Verb::Study(arguments) => study::run(arguments),
     };

@@ -2,6 +2,8 @@
 
 pub mod atomic;
 
+pub mod compare;
+
 pub mod mesh;
 
 pub mod scene;

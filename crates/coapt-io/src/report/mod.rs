@@ -13,6 +13,7 @@ use serde::Serialize;
 
 pub use surfaces::write_results;
 pub use text::text;
+pub(crate) use text::{line, number};
 
 /// The layout of the JSON report.
 pub const REPORT_SCHEMA: &str = "coapt-report/1";

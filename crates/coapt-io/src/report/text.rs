@@ -135,7 +135,7 @@ fn row_line(row: &Row, later: Option<&Row>) -> String {
 }
 
 /// A number to so many digits, without a minus before zero.
-fn number(value: f64, digits: usize) -> String {
+pub(crate) fn number(value: f64, digits: usize) -> String {
     if is_zero(value, digits) {
         return format!("{:.digits$}", 0.0);
     }
@@ -185,7 +185,7 @@ fn family_name(family: RingFamily) -> Option<String> {
 }
 
 /// A paragraph that begins with a word and a colon.
-fn line(out: &mut String, word: &str, text: &str) {
+pub(crate) fn line(out: &mut String, word: &str, text: &str) {
     wrapped(out, &format!("{word}: "), text);
 }
 

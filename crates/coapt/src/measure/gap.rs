@@ -126,7 +126,10 @@ fn leaflet_trees(s: &Surface) -> Vec<Tree> {
     for (f, &leaflet) in s.face_leaflet.iter().enumerate() {
         faces[leaflet as usize].push(f as u32);
     }
-    faces.into_iter().map(|f| tree(s, f)).collect()
+    faces
+        .into_iter()
+        .map(|f| tree(f, |face| s.corners(face)))
+        .collect()
 }
 
 fn facing_gap(s: &Surface, tree: &Tree, v: usize, limit: f64) -> f64 {

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::distance::triangle_area;
+use super::statistics::percentile;
 use super::surface::{Surface, leaflet_bit, surface};
 use crate::Vec3;
 use crate::model::Model;
@@ -88,18 +89,6 @@ pub(super) fn strain(positions_mm: &[Vec3], [a, b]: [u32; 2], rest_length_mm: f6
     }
 }
 
-/// Percentile with linear interpolation between ranks (type 7 of Hyndman & Fan 1996, the default of numpy and R).
-fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let Some(last) = values.len().checked_sub(1) else {
-        return 0.0;
-    };
-    let rank = share * last as f64;
-    let low = rank.floor() as usize;
-    let high = (low + 1).min(last);
-    values[low] + (values[high] - values[low]) * (rank - low as f64)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::test_models::sheet;
@@ -141,13 +130,5 @@ mod tests {
                 .iter()
                 .all(|e| e.abs() < 1e-15)
         );
-    }
-
-    /// The convention on ten numbers: rank 0.95 · 9 = 8.55.
-    #[test]
-    fn percentile_between_ranks() {
-        assert!((percentile((1..=10).map(f64::from).collect(), 0.95) - 9.55).abs() < 1e-12);
-        assert_eq!(percentile(vec![], 0.95), 0.0);
-        assert_eq!(percentile(vec![3.0], 0.95), 3.0);
     }
 }

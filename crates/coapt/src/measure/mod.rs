@@ -5,6 +5,7 @@
 
 pub mod annulus;
 pub mod coaptation;
+pub mod compare;
 pub mod forces;
 pub mod gap;
 pub mod leaflet;
@@ -12,11 +13,13 @@ pub mod orifice;
 pub mod tenting;
 pub mod visible;
 
+mod atrial_view;
 mod distance;
 mod plane;
 mod raster;
 mod seal;
 mod spanning;
+mod statistics;
 mod surface;
 #[cfg(test)]
 mod test_models;
@@ -34,6 +37,7 @@ pub use forces::{ChordGroupMeasures, ChordMeasures, PapillaryMeasures, chord_for
 pub use gap::{gap_mm, in_contact};
 pub use leaflet::{LeafletMeasures, vertex_strain};
 pub use orifice::OrificeMeasures;
+pub use statistics::DistanceStatistics;
 pub use tenting::{BillowMeasures, TentingMeasures};
 pub use visible::{VisibleDistance, visible_distance};
 

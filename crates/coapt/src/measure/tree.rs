@@ -1,11 +1,10 @@
-//! The nearest triangle to a point: a tree of bounding boxes over the faces of one leaflet.
+//! The nearest triangle to a point: a tree of bounding boxes over some faces.
 
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d_f64::query::PointQuery;
 
-use super::surface::Surface;
 use crate::Vec3;
 
 /// A tree of boxes, each leaf of it a place in `faces`: parry wants leaves to be numbered without gaps.
@@ -14,10 +13,10 @@ pub(super) struct Tree {
     faces: Vec<u32>,
 }
 
-/// Builds the tree over some faces in their measured position. Clustered instead of binned, trees take longer to build
+/// Builds the tree over some faces with these corners. Clustered instead of binned, trees take longer to build
 /// and are no faster to ask: measuring the healthy valve costs 15 % more.
-pub(super) fn tree(surface: &Surface, faces: Vec<u32>) -> Tree {
-    let box_of = |&f: &u32| Aabb::from_points(surface.corners(f as usize).map(Vector::from));
+pub(super) fn tree(faces: Vec<u32>, corners: impl Fn(usize) -> [Vec3; 3]) -> Tree {
+    let box_of = |&f: &u32| Aabb::from_points(corners(f as usize).map(Vector::from));
     let boxes: Vec<Aabb> = faces.iter().map(box_of).collect();
     Tree {
         boxes: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
@@ -34,13 +33,23 @@ impl Tree {
         limit: f64,
         nearer: impl Fn(usize, f64) -> Option<f64>,
     ) -> Option<f64> {
+        self.nearest_face(p, limit, nearer).map(|(_, distance)| distance)
+    }
+
+    /// The same, with the face that is nearest.
+    pub(super) fn nearest_face(
+        &self,
+        p: Vec3,
+        limit: f64,
+        nearer: impl Fn(usize, f64) -> Option<f64>,
+    ) -> Option<(usize, f64)> {
         let point = Vector::from(p);
         let found = self.boxes.find_best(
             limit,
             |node, _| node.aabb().distance_to_local_point(point, true),
             |leaf, best| nearer(self.faces[leaf as usize] as usize, best),
         );
-        found.map(|(_, distance)| distance)
+        found.map(|(leaf, distance)| (self.faces[leaf as usize] as usize, distance))
     }
 }
 
@@ -72,7 +81,7 @@ mod tests {
         let faces: Vec<[u32; 3]> = (0..300).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let model = model_of(points, faces, vec![0; 300], vec![], vec![]);
         let s = surface(&model, &model.rest_mm);
-        let t = tree(&s, (0..300).collect());
+        let t = tree((0..300).collect(), |f| s.corners(f));
         let mut hits = 0;
         for k in 0..200 {
             let (p, limit) = (point(), if k % 2 == 0 { 1.0 } else { f64::INFINITY });
@@ -106,7 +115,7 @@ mod tests {
             let s = surface(&model, &model.rest_mm);
             let distance = |f: usize| point_triangle(p, s.corners(f));
             for faces in [7..8, 7..9, 0..400] {
-                let t = tree(&s, faces.clone().collect());
+                let t = tree(faces.clone().collect(), |f| s.corners(f));
                 let found = t.nearest(p, f64::INFINITY, |f, best| {
                     Some(distance(f)).filter(|&d| d < best)
                 });
@@ -121,7 +130,7 @@ mod tests {
         let model = model_of(vec![], vec![], vec![], vec![], vec![]);
         let s = surface(&model, &[]);
         assert_eq!(
-            tree(&s, vec![]).nearest(Vec3::zeros(), 1.0, |_, _| Some(0.0)),
+            tree(vec![], |f| s.corners(f)).nearest(Vec3::zeros(), 1.0, |_, _| Some(0.0)),
             None
         );
     }

@@ -7,8 +7,9 @@
 use serde::Serialize;
 
 use super::annulus::plane_of;
+use super::atrial_view::atrial_view;
 use super::distance::{point_triangle, triangle_area};
-use super::raster::Raster;
+use super::statistics::DistanceStatistics;
 use super::surface::{Surface, surface};
 use super::tree::{Tree, tree};
 use crate::Vec3;
@@ -17,8 +18,7 @@ use crate::model::Model;
 /// Distance between the visible surfaces of two closed valves.
 ///
 /// Seen along the normal of its annular plane, a point of a valve is visible if no tissue of that valve lies above it
-/// and it does not lie in a slit narrower than two contact thicknesses: leaflets that touch stand one apart, and the
-/// facets of a coarse mesh open that by a few tenths of a millimetre. From every visible point of either valve the
+/// and it does not lie in a slit narrower than two contact thicknesses. From every visible point of either valve the
 /// distance to the nearest point of the other's whole surface is taken, to its surface because vertices of two meshes
 /// do not correspond, and to the whole of it so that tissue just at the border of what is visible still finds its own
 /// like. Both ways together, each point weighing as much as its area.
@@ -37,20 +37,6 @@ pub struct VisibleDistance {
 /// Largest distance between sample points, about [mm]. Five times nearer points change the root mean square between the
 /// healthy valve at 650 and at 2600 faces by less than 0.1 % and cost twenty times as much.
 const SPACING_MM: f64 = 0.5;
-
-/// Pixel of the height field that tells what is hidden [mm]: as fine as a raster over a valve of 40 mm may be. Four
-/// times as large, tissue at the border of what is visible is lost: a tenth of the visible area.
-const PIXEL_MM: f64 = 0.1;
-
-/// Slits narrower than so many contact thicknesses are not looked into [1]. At one, some coapted tissue shows (7 % more
-/// area); at four, the valley along the line of closure is lost (13 % less). The root mean square between 650 and 2600
-/// faces moves by 1 and 3 %.
-const SLIT_THICKNESSES: f64 = 2.0;
-
-/// A point is hidden if tissue lies more than this part of a contact thickness above it [1]. Leaflets in contact are
-/// nearly one apart, so from there on hidden ones would show; at a fifth, steep walls are lost to what a pixel gets
-/// wrong on them. Between, the visible area moves by 5 %, the root mean square by 2 %.
-const HIDDEN_THICKNESSES: f64 = 0.5;
 
 /// Measures how far apart two closed valves are where they are visible; nothing where one of them has no annular
 /// plane or no visible surface. Which of the two comes first makes no difference.
@@ -80,23 +66,12 @@ struct Sample {
 /// Points of the visible surface, evenly over each face; none without an annular plane.
 fn visible_points(model: &Model, s: &Surface) -> Option<Vec<Sample>> {
     let plane = plane_of(model, s.positions_mm)?;
-    let local: Vec<Vec3> = s.positions_mm.iter().map(|&p| plane.local(p)).collect();
-    let leaflets: Vec<Vec3> = s.faces.iter().flatten().map(|&v| local[v as usize]).collect();
-    let thickness_mm = model.contact.thickness_mm;
-    let mut top = Raster::over(&leaflets, PIXEL_MM);
-    for face in s.faces {
-        top.paint(face.map(|v| local[v as usize]));
-    }
-    top.close_slits(SLIT_THICKNESSES * thickness_mm);
+    let view = atrial_view(plane, s.positions_mm, s.faces, model.contact.thickness_mm);
     let mut samples = Vec::new();
     for face in 0..s.faces.len() {
         sample_face(s.corners(face), &mut samples);
     }
-    samples.retain(|sample| {
-        let seen = plane.local(sample.place);
-        top.height_at(seen.x, seen.y)
-            .is_none_or(|height| height - seen.z <= HIDDEN_THICKNESSES * thickness_mm)
-    });
+    samples.retain(|sample| view.sees(sample.place));
     Some(samples)
 }
 
@@ -128,7 +103,7 @@ const MOST_CUTS: f64 = 100.0;
 
 /// The distance of each sample to a surface, with its area.
 fn distances(samples: &[Sample], s: &Surface) -> Vec<(f64, f64)> {
-    let tree = tree(s, (0..s.faces.len() as u32).collect());
+    let tree = tree((0..s.faces.len() as u32).collect(), |face| s.corners(face));
     let mut last: Option<(Vec3, f64)> = None;
     let mut found = Vec::with_capacity(samples.len());
     for sample in samples {
@@ -151,21 +126,13 @@ fn nearest(tree: &Tree, s: &Surface, place: Vec3, limit_mm: f64) -> Option<f64> 
 }
 
 /// Statistics of distances with their areas.
-fn statistics(mut distances: Vec<(f64, f64)>) -> Option<VisibleDistance> {
-    distances.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let area_mm2: f64 = distances.iter().map(|d| d.1).sum();
-    let max_mm = distances.last()?.0;
-    let mut below_mm2 = 0.0;
-    let p95 = distances.iter().find(|(_, area)| {
-        below_mm2 += area;
-        below_mm2 >= 0.95 * area_mm2
-    });
-    let mean = |power: i32| distances.iter().map(|d| d.1 * d.0.powi(power)).sum::<f64>() / area_mm2;
-    (area_mm2 > 0.0).then(|| VisibleDistance {
-        rms_mm: mean(2).sqrt(),
-        mean_mm: mean(1),
-        p95_mm: p95.map_or(max_mm, |d| d.0),
-        max_mm,
+fn statistics(distances: Vec<(f64, f64)>) -> Option<VisibleDistance> {
+    let found = DistanceStatistics::by_area(distances)?;
+    Some(VisibleDistance {
+        rms_mm: found.rms_mm,
+        mean_mm: found.mean_mm,
+        p95_mm: found.p95_mm,
+        max_mm: found.max_mm,
     })
 }
 
