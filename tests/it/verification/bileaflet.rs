@@ -25,7 +25,7 @@ use coapt::contact::touch::touches;
 use coapt::energy::bilinear_spring::Springs;
 use coapt::measure::{Measures, measure};
 use coapt::model::{LeafletTissue, Margin, Model, Prescribed};
-use coapt::scene::Contact;
+use coapt::scene::{ChordLaw, Contact, Tissue};
 
 use super::references::root;
 use super::shapes::{Mesh, add_spring, bare};
@@ -41,7 +41,7 @@ const HALF_WIDTH_MM: f64 = 2.0;
 const ROWS: [u32; 2] = [60, 63];
 /// Chords so long that they stay upright, so stiff that they do not give.
 const CHORD_MM: f64 = 1000.0;
-const CHORD_N: f64 = 1e7;
+const CHORD_MPA: f64 = 1e7;
 /// p / (E'h) that stands for tissue that does not stretch [1/mm].
 const STIFF: f64 = 1e-5;
 
@@ -149,9 +149,13 @@ fn strips(valve: &Valve) -> Model {
     let leaflet = |name: &str| LeafletTissue {
         name: name.into(),
         thickness_mm: THICKNESS_MM,
+        tissue: Tissue::default(),
     };
     model.leaflets = vec![leaflet("right"), leaflet("left")];
-    model.contact.thickness_mm = THICKNESS_MM;
+    model.contact = Contact {
+        thickness_mm: THICKNESS_MM,
+        ..Contact::default()
+    };
     model.annulus = vec![0, 1, 2, second + 2, second + 1, second];
     model.landmarks.commissure_posteromedial = 3;
     let margin = |end: u32| Margin {
@@ -236,10 +240,13 @@ fn add_chord(model: &mut Model, edge: u32, valve: &Valve) -> u32 {
     model.chords.points.extend([vec![(tip, 1.0)], vec![(edge, 1.0)]]);
     model.chords.ends.push([point, point + 1]);
     model.chords.rest_length_mm.push(CHORD_MM);
-    model.chords.axial_stiffness_n.push(CHORD_N);
+    model.chords.area_mm2.push(1.0);
     model.chords.group.push(0);
     if model.chord_groups.is_empty() {
         model.chord_groups.push("margin".into());
+        model.chords.laws.push(ChordLaw::Linear {
+            modulus_mpa: CHORD_MPA,
+        });
     }
     tip
 }

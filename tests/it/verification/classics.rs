@@ -3,6 +3,7 @@
 use coapt::Vec3;
 use coapt::energy::chord::{self, Chords};
 use coapt::energy::pressure;
+use coapt::scene::ChordLaw;
 use coapt_tests::Random;
 
 use super::report;
@@ -46,26 +47,41 @@ fn pressure_on_a_cap_is_that_on_its_base() {
     );
 }
 
-/// Shorter than at rest by an ulp or by all its length, a chord pulls with exactly nothing.
+/// Shorter than at rest by an ulp or by all its length, a chord pulls with exactly nothing, whatever its law.
 #[test]
 fn a_slack_chord_pulls_with_exactly_nothing() {
-    let chords = Chords {
-        points: vec![vec![(0, 1.0)], vec![(1, 0.5), (2, 0.5)]],
-        ends: vec![[0, 1]],
-        rest_length_mm: vec![20.0],
-        axial_stiffness_n: vec![1e9],
-        group: vec![0],
-    };
-    for length_mm in [20.0, 20.0 - 4e-15, 19.0, 1e-9, 0.0] {
-        let ends = [
-            Vec3::zeros(),
-            Vec3::new(1.0, 0.0, length_mm),
-            Vec3::new(-1.0, 0.0, length_mm),
-        ];
-        let mut force = [Vec3::zeros(); 3];
-        chord::add_gradient(&chords, &ends, &mut force);
-        assert_eq!(chords.tensions_n(&ends), [0.0], "{length_mm}");
-        assert_eq!(chord::energy(&chords, &ends), 0.0);
-        assert_eq!(force, [Vec3::zeros(); 3]);
+    let laws = [
+        ChordLaw::Linear { modulus_mpa: 1e9 },
+        ChordLaw::PiecewiseLinear {
+            toe_modulus_mpa: 1e9,
+            transition_strain: 0.1,
+            modulus_mpa: 1e10,
+        },
+        ChordLaw::Exponential {
+            scale_mpa: 1e6,
+            exponent: 100.0,
+        },
+    ];
+    for law in laws {
+        let chords = Chords {
+            points: vec![vec![(0, 1.0)], vec![(1, 0.5), (2, 0.5)]],
+            ends: vec![[0, 1]],
+            rest_length_mm: vec![20.0],
+            area_mm2: vec![1.0],
+            group: vec![0],
+            laws: vec![law],
+        };
+        for length_mm in [20.0, 20.0 - 4e-15, 19.0, 1e-9, 0.0] {
+            let ends = [
+                Vec3::zeros(),
+                Vec3::new(1.0, 0.0, length_mm),
+                Vec3::new(-1.0, 0.0, length_mm),
+            ];
+            let mut force = [Vec3::zeros(); 3];
+            chord::add_gradient(&chords, &ends, &mut force);
+            assert_eq!(chords.tensions_n(&ends), [0.0], "{length_mm}");
+            assert_eq!(chord::energy(&chords, &ends), 0.0);
+            assert_eq!(force, [Vec3::zeros(); 3]);
+        }
     }
 }

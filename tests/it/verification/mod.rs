@@ -8,10 +8,14 @@
 mod bileaflet;
 mod circular;
 mod classics;
+mod frames;
+mod laws;
 mod mylar;
 mod patch;
+mod patch_membranes;
 mod references;
 mod shapes;
+mod sphere_membranes;
 mod spheres;
 mod squeezed_tube;
 

@@ -56,7 +56,7 @@ fn solved(mesh: &Mesh, tissue: SpringTissue, given: impl Fn(Vec3) -> Vec3) -> (V
     (ways, energy)
 }
 
-/// MacNeal and Harder's plate (1985): 0.24 × 0.12, five quadrilaterals about four inner nodes, each cut along one diagonal or
+/// The plate of `MacNeal` and Harder (1985): 0.24 × 0.12, five quadrilaterals about four inner nodes, each cut along one diagonal or
 /// the other; u = 1e-3 (x + y/2), v = 1e-3 (y + x/2).
 pub(super) fn macneal_harder(diagonal: usize) -> Mesh {
     let nodes = [

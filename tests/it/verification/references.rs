@@ -4,15 +4,17 @@
 pub(super) fn root(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let negative_below = f(low) < 0.0;
     assert_ne!(negative_below, f(high) < 0.0, "no root between {low} and {high}");
-    for _ in 0..200 {
+    loop {
         let middle = 0.5 * (low + high);
+        if middle == low || middle == high {
+            return middle;
+        }
         if (f(middle) < 0.0) == negative_below {
             low = middle;
         } else {
             high = middle;
         }
     }
-    0.5 * (low + high)
 }
 
 /// ∫ f over an interval, by Simpson's rule on 2000 pieces.
@@ -102,9 +104,10 @@ pub(super) struct Follower {
 pub(super) fn follower(law: Law, q: f64, nu: f64) -> Follower {
     let shoot = |stretch: f64| shoot(law, q, stretch);
     let guess = 0.43 * q.powf(2.0 / 3.0) * (1.0 - nu);
+    // Stretched too little, the membrane folds back on its axis and on to where there is no number.
     let stretch = root(
-        |stretch| shoot(stretch)[0] - 1.0,
-        1.0 + 0.3 * guess,
+        |stretch| (shoot(stretch)[0] - 1.0).max(-1.0),
+        1.0 + 0.5 * guess,
         1.0 + 4.0 * guess,
     );
     let [_, _, z, volume] = shoot(stretch);

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_3, TAU};
 
 use coapt::Vec3;
+use coapt::energy::membrane::{self, Membranes};
 use coapt::energy::{bilinear_spring::Springs, chord::Chords};
 use coapt::mesh::topology;
 use coapt::model::{AnnulusLandmarks, LeafletTissue, Model, Prescribed};
-use coapt::scene::{Contact, Settings};
+use coapt::scene::{Contact, Settings, Tissue};
 use nalgebra::Complex;
 
 /// A triangle mesh.
@@ -104,8 +105,7 @@ pub(super) fn add_spring(springs: &mut Springs, ends: [u32; 2], length_mm: f64, 
     springs.compression_n_per_mm.push(stiffness_n_per_mm);
 }
 
-/// A model of nothing but a mesh under pressure: no springs, no chords, nothing held, and contact that begins so late that
-/// it stays out of the way. One mesh only: the coarse ones that open valves are closed on first are made for leaflets.
+/// A model of nothing but a mesh under pressure: no tissue, no chords, nothing held, nothing touches. One mesh only: the coarse ones that open valves are closed on first are made for leaflets.
 pub(super) fn bare(mesh: &Mesh, pressure_mpa: f64) -> Model {
     Model {
         name: "verification".into(),
@@ -116,14 +116,17 @@ pub(super) fn bare(mesh: &Mesh, pressure_mpa: f64) -> Model {
         leaflets: vec![LeafletTissue {
             name: "sheet".into(),
             thickness_mm: 1.0,
+            tissue: Tissue::default(),
         }],
         springs: Springs::default(),
+        membranes: Membranes::default(),
         hinges: Default::default(),
         chords: Chords::default(),
         chord_groups: vec![],
         pressure_mpa,
+        dead_loads_n: vec![],
         contact: Contact {
-            thickness_mm: 1e-3,
+            stiffness_mpa: 0.0,
             ..Contact::default()
         },
         annulus: vec![],
@@ -151,6 +154,18 @@ pub(super) fn sprung(mesh: &Mesh, tissue: SpringTissue, pressure_mpa: f64) -> Mo
         springs: springs(mesh, tissue),
         ..bare(mesh, pressure_mpa)
     }
+}
+
+/// [`bare`] with a triangle of membrane on every face, fibres along x.
+pub(super) fn skinned(mesh: &Mesh, tissue: membrane::Tissue, thickness_mm: f64, pressure_mpa: f64) -> Model {
+    let mut model = bare(mesh, pressure_mpa);
+    model.membranes.tissues.push(tissue);
+    for &face in &mesh.faces {
+        model
+            .membranes
+            .push(face, 0, thickness_mm, &mesh.points_mm, Vec3::x());
+    }
+    model
 }
 
 /// Holds vertices where they are at rest.

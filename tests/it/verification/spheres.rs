@@ -19,10 +19,10 @@ use super::references::root;
 use super::shapes::{Mesh, SpringTissue, cap, hold, sphere, sprung};
 use super::{error, order, report, settled};
 
-const RADIUS_MM: f64 = 15.0;
+pub(super) const RADIUS_MM: f64 = 15.0;
 const STIFFNESS_N_PER_MM: f64 = 0.05;
 /// From its axis to its rim, a cap spans so much [rad].
-const CAP_ANGLE: f64 = 1.0;
+pub(super) const CAP_ANGLE: f64 = 1.0;
 const KNEE: f64 = 0.25;
 
 /// Pressure that holds a sphere of springs at a stretch [MPa].
@@ -46,7 +46,7 @@ fn bilinear(ratio: f64) -> SpringTissue {
 ///
 /// One vertex is held, which keeps the sphere from drifting and must carry nothing: neither tissue nor pressure on a closed
 /// surface pushes as a whole. Turning about it costs nothing and is left alone.
-fn stretch_of(name: &str, mesh: &Mesh, mut model: Model, start_mm: Vec<Vec3>) -> f64 {
+pub(super) fn stretch_of(name: &str, mesh: &Mesh, mut model: Model, start_mm: Vec<Vec3>) -> f64 {
     hold(&mut model, &[0]);
     model.prescribed[0].target_mm = start_mm[0];
     let equilibrium = settled(name, &model, start_mm);
@@ -134,7 +134,7 @@ fn a_cap_of_springs_follows_the_curve_past_the_limit_point() {
 
 /// How far the crown of a cap whose rim is widened by a stretch is from where a sphere so stretched has it, as a part of its
 /// height over the rim.
-fn crown_error(name: &str, mesh: &Mesh, mut model: Model, stretch: f64) -> f64 {
+pub(super) fn crown_error(name: &str, mesh: &Mesh, mut model: Model, stretch: f64) -> f64 {
     hold(&mut model, &mesh.rim);
     for held in &mut model.prescribed {
         held.target_mm *= stretch;

@@ -1,0 +1,155 @@
+//! Frames of bars, springs linear in length, under given forces: von Mises' truss and the catenary.
+
+use coapt::Vec3;
+use coapt::model::Model;
+
+use super::references::root;
+use super::shapes::{Mesh, add_spring, bare, hold};
+use super::{error, oracle, report, settled};
+
+/// Bars between points, some held. Faces carry nothing; they make a mesh of it.
+fn frame(points_mm: Vec<Vec3>, faces: Vec<[u32; 3]>, bars: &[([u32; 2], f64)], held: &[u32]) -> Model {
+    let mesh = Mesh {
+        points_mm,
+        faces,
+        rim: vec![],
+    };
+    let mut model = bare(&mesh, 0.0);
+    for &([a, b], stiffness) in bars {
+        let length_mm = (mesh.points_mm[a as usize] - mesh.points_mm[b as usize]).norm();
+        add_spring(&mut model.springs, [a, b], length_mm, stiffness);
+    }
+    hold(&mut model, held);
+    model.settings.residual_tolerance = 1e-9;
+    model
+}
+
+const HALF_SPAN_MM: f64 = 10.0;
+const RISE_MM: f64 = 1.0;
+const BAR_N_PER_MM: f64 = 1.0;
+
+/// Two bars lean on each other over a span 2 b, the apex at a height y over the supports, pushed down by
+/// P = 2 k (L₀ / L − 1) y, L² = b² + y².
+fn truss_force_n(height_mm: f64) -> f64 {
+    let rest = HALF_SPAN_MM.hypot(RISE_MM);
+    2.0 * BAR_N_PER_MM * (rest / HALF_SPAN_MM.hypot(height_mm) - 1.0) * height_mm
+}
+
+/// dP/dy = 0 where L³ = L₀ b², hence P = 2 k (L₀^(2/3) − b^(2/3))^(3/2).
+fn largest_truss_force_n() -> f64 {
+    let power = |x: f64| x.powf(2.0 / 3.0);
+    2.0 * BAR_N_PER_MM * (power(HALF_SPAN_MM.hypot(RISE_MM)) - power(HALF_SPAN_MM)).powf(1.5)
+}
+
+/// Two horizontal guides a metre long keep the apex in the plane; when it has come down by w, they hold it back with
+/// 2 k (√(l² + w²) − l) w / √(l² + w²), some millionths of what the bars do.
+const GUIDE_MM: f64 = 1e3;
+
+fn guide_force_n(height_mm: f64) -> f64 {
+    let down = RISE_MM - height_mm;
+    let length = GUIDE_MM.hypot(down);
+    2.0 * BAR_N_PER_MM * (length - GUIDE_MM) * down / length
+}
+
+/// Von Mises' truss under a force on its apex.
+fn truss(force_n: f64, guides: bool) -> Model {
+    let apex = Vec3::new(0.0, 0.0, RISE_MM);
+    let points = vec![
+        apex,
+        Vec3::new(-HALF_SPAN_MM, 0.0, 0.0),
+        Vec3::new(HALF_SPAN_MM, 0.0, 0.0),
+        apex + Vec3::y() * GUIDE_MM,
+        apex - Vec3::y() * GUIDE_MM,
+    ];
+    let mut bars = vec![([0, 1], BAR_N_PER_MM), ([0, 2], BAR_N_PER_MM)];
+    if guides {
+        bars.extend([([0, 3], BAR_N_PER_MM), ([0, 4], BAR_N_PER_MM)]);
+    }
+    let mut model = frame(points, vec![[1, 2, 0]], &bars, &[1, 2, 3, 4]);
+    model.dead_loads_n = vec![(0, Vec3::new(0.0, 0.0, -force_n))];
+    // Counted in what a strain of 1e-3 pulls with, in the guides more than anywhere.
+    model.settings.residual_tolerance = 1e-13;
+    model
+}
+
+/// Up to a thousandth below the largest force the apex stays up, from a thousandth above it the truss snaps through to where
+/// its bars are in tension, and comes to rest there; both on the curve.
+#[test]
+fn von_mises_truss_snaps_at_its_largest_force() {
+    let largest_n = largest_truss_force_n();
+    if let Some(values) = oracle("reference_values.json") {
+        let expected = values["von_mises_truss"]["example"]["P_cr"]
+            .as_f64()
+            .expect("a number");
+        assert!(error(largest_n, expected) < 1e-12);
+    }
+    for part in [0.5, 0.9, 0.99, 0.999, 1.001, 1.01, 1.5, 5.0] {
+        let model = truss(part * largest_n, true);
+        let equilibrium = settled("truss", &model, model.rest_mm.clone());
+        let height_mm = equilibrium.state.positions_mm[0].z;
+        let off = error(
+            truss_force_n(height_mm) + guide_force_n(height_mm),
+            part * largest_n,
+        );
+        report(&format!(
+            "von Mises truss at {part} of its largest force: apex at {height_mm:.6} mm in {} iterations, force off by {off:.1e}",
+            equilibrium.history.len()
+        ));
+        assert_eq!(height_mm > 0.0, part < 1.0);
+        assert!(equilibrium.certificate.stable);
+        assert!(off < 1e-7);
+    }
+}
+
+/// Without guides its bars, which are compressed, swing over sideways under any force: a balance that does not last. The
+/// solver leaves it for the one that hangs.
+#[test]
+fn a_truss_without_guides_ends_hanging() {
+    let force_n = 0.5 * largest_truss_force_n();
+    let model = truss(force_n, false);
+    let equilibrium = settled("truss", &model, model.rest_mm.clone());
+    let height_mm = equilibrium.state.positions_mm[0].z;
+    assert!(height_mm < 0.0 && equilibrium.certificate.stable);
+    assert!(error(truss_force_n(height_mm), force_n) < 1e-6);
+}
+
+/// A chain of n equal links with a weight at each joint: all links pull sideways with the same H, and each holds one weight
+/// more than the next, so that a link's force is (H, (n/2 − i − ½) w) and all of them together span the supports. It starts as
+/// a taut line, which resists weights across it with nothing.
+#[test]
+fn a_hanging_chain_is_a_catenary() {
+    const LINKS: u32 = 20;
+    const STIFFNESS_N_PER_MM: f64 = 100.0;
+    const WEIGHT_N: f64 = 0.01;
+    // Supports come together by a fifth.
+    const SPAN_MM: f64 = 16.0;
+    let mut points: Vec<Vec3> = (0..=LINKS).map(|i| Vec3::x() * f64::from(i)).collect();
+    points.push(Vec3::new(10.0, 50.0, 0.0));
+    let bars: Vec<([u32; 2], f64)> = (0..LINKS).map(|i| ([i, i + 1], STIFFNESS_N_PER_MM)).collect();
+    let faces = (0..LINKS).map(|i| [i, i + 1, LINKS + 1]).collect();
+    let mut model = frame(points, faces, &bars, &[0, LINKS, LINKS + 1]);
+    model.prescribed[1].target_mm.x = SPAN_MM;
+    model.dead_loads_n = (1..LINKS).map(|i| (i, Vec3::z() * -WEIGHT_N)).collect();
+    let down = |i: u32| (0.5 * f64::from(LINKS) - f64::from(i) - 0.5) * WEIGHT_N;
+    let link = |h: f64, i: u32| {
+        let pull = h.hypot(down(i));
+        (1.0 + pull / STIFFNESS_N_PER_MM) / pull
+    };
+    let span = |h: f64| (0..LINKS).map(|i| h * link(h, i)).sum::<f64>() - SPAN_MM;
+    let sideways_n = root(span, 1e-3, 10.0);
+    let sag_mm: f64 = (0..LINKS / 2).map(|i| down(i) * link(sideways_n, i)).sum();
+    let positions = settled("chain", &model, model.rest_mm.clone()).state.positions_mm;
+    let mut worst = error(-positions[LINKS as usize / 2].z, sag_mm);
+    for i in 0..LINKS {
+        let way = positions[i as usize + 1] - positions[i as usize];
+        let (pull, _) = model.springs.tension_and_tangent(i as usize, way.norm());
+        let force = way * (pull / way.norm());
+        worst = worst
+            .max(error(force.x, sideways_n))
+            .max((force.z + down(i)).abs() / WEIGHT_N);
+    }
+    report(&format!(
+        "catenary of {LINKS} links: sag {sag_mm:.4} mm, H {sideways_n:.6} N; off by {worst:.1e} at most"
+    ));
+    assert!(worst < 1e-6);
+}
