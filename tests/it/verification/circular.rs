@@ -1,6 +1,7 @@
 //! A flat circular membrane, clamped all round, blown up by pressure. It starts exactly flat, where nothing resists pressure
 //! at all.
 
+use coapt::Vec3;
 use coapt::energy::membrane::Law as MembraneLaw;
 use coapt::model::Model;
 
@@ -146,7 +147,33 @@ fn a_spring_disk_follows_the_shooting_at_any_pressure() {
     }
 }
 
-/// Small pressure, any Poisson ratio: within 1 % at 1014 triangles.
+/// Blown to the wrong side first, it comes back through itself to the same shape.
+#[test]
+fn a_disk_blown_to_the_wrong_side_comes_back() {
+    let mesh = disk(8, RADIUS_MM);
+    let mut model = skinned(
+        &mesh,
+        taut(st_venant_kirchhoff(MODULUS_MPA, 0.45)),
+        THICKNESS_MM,
+        pressure_mpa(0.01),
+    );
+    hold(&mut model, &mesh.rim);
+    let from = |height: f64| {
+        let lift = |x: &Vec3| x + Vec3::z() * (height * (RADIUS_MM - x.norm_squared() / RADIUS_MM));
+        let start = mesh.points_mm.iter().map(lift).collect();
+        settled("disk", &model, start).state.positions_mm
+    };
+    let [flat, wrong] = [0.0, -0.4].map(from);
+    let apart = flat
+        .iter()
+        .zip(&wrong)
+        .map(|(a, b)| (a - b).norm())
+        .fold(0.0, f64::max);
+    // What residuals of 1e-6 leave.
+    assert!(apart < 1e-5 && flat.iter().all(|x| x.z >= 0.0), "{apart}");
+}
+
+/// Small pressure, any Poisson ratio: well within 1 % at 1014 triangles.
 #[test]
 fn a_membrane_disk_rises_as_henckys() {
     let q: f64 = 1e-4;
@@ -164,7 +191,7 @@ fn a_membrane_disk_rises_as_henckys() {
             100.0 * errors[0],
             100.0 * errors[1]
         ));
-        assert!(errors.iter().all(|&off| off < 0.01), "{nu} {errors:?}");
+        assert!(errors[0] < 0.002 && errors[1] < 0.005, "{nu} {errors:?}");
     }
 }
 
@@ -198,8 +225,8 @@ fn membrane_disks_follow_the_shooting_at_any_pressure() {
                 100.0 * (crown / hooke.crown - 1.0),
                 100.0 * (volume / exact.volume - 1.0)
             ));
-            assert!(error(crown, exact.crown) < 5e-3, "{name} {q}");
-            assert!(error(volume, exact.volume) < 5e-3, "{name} {q}");
+            assert!(error(crown, exact.crown) < 1e-3, "{name} {q}");
+            assert!(error(volume, exact.volume) < 4e-3, "{name} {q}");
         }
     }
 }

@@ -1,7 +1,10 @@
-//! Frames of bars, springs linear in length, under given forces: von Mises' truss and the catenary.
+//! Bars and chords under given forces: von Mises' truss, the catenary, a weight on a chord.
 
 use coapt::Vec3;
+use coapt::energy::bilinear_spring;
+use coapt::energy::chord::Chords;
 use coapt::model::Model;
+use coapt::scene::ChordLaw;
 
 use super::references::root;
 use super::shapes::{Mesh, add_spring, bare, hold};
@@ -111,6 +114,100 @@ fn a_truss_without_guides_ends_hanging() {
     let height_mm = equilibrium.state.positions_mm[0].z;
     assert!(height_mm < 0.0 && equilibrium.certificate.stable);
     assert!(error(truss_force_n(height_mm), force_n) < 1e-6);
+}
+
+/// A straight chain whose supports come together by a fifth: it does not stay compressed, a balance that lasts no longer than
+/// nothing pushes it, but gives way sideways until no link resists any more.
+#[test]
+fn a_compressed_chain_buckles_and_slackens() {
+    let points: Vec<Vec3> = (0..=8)
+        .map(|i| Vec3::x() * f64::from(i))
+        .chain([Vec3::new(4.0, 50.0, 0.0)])
+        .collect();
+    let bars: Vec<([u32; 2], f64)> = (0..8).map(|i| ([i, i + 1], 1.0)).collect();
+    let faces = (0..8).map(|i| [i, i + 1, 9]).collect();
+    let mut model = frame(points, faces, &bars, &[0, 8, 9]);
+    model.prescribed[1].target_mm.x = 6.4;
+    let equilibrium = settled("compressed chain", &model, model.rest_mm.clone());
+    let positions = &equilibrium.state.positions_mm;
+    let energy = bilinear_spring::energy(&model.springs, positions);
+    // Straight, it stores 8 · ½ k 0.2².
+    report(&format!(
+        "compressed chain: {energy:.1e} of 0.16 N·mm left, {:?}",
+        equilibrium.reactions_n[0].norm()
+    ));
+    assert!(energy < 1e-9 && positions.iter().all(|x| x.iter().all(|value| value.is_finite())));
+    assert!(equilibrium.certificate.stable);
+}
+
+/// A weight on a chord stretches it by what its law says, read backwards by hand: σ = W / A.
+#[test]
+fn a_weight_on_a_chord_stretches_it_by_its_law() {
+    const LENGTH_MM: f64 = 20.0;
+    const AREA_MM2: f64 = 0.5;
+    // Stress, and the strain that goes with it.
+    let exponential = |scale: f64, exponent: f64, stress: f64| (stress / scale).ln_1p() / exponent;
+    let collagen = ChordLaw::Collagen {
+        scale_mpa: 0.1,
+        exponent: 60.0,
+        full_recruitment_strain: 0.05,
+        modulus_mpa: 100.0,
+    };
+    let recruited = 0.1 * 3.0_f64.exp_m1();
+    let cases = [
+        (ChordLaw::Linear { modulus_mpa: 40.0 }, 2.0, 2.0 / 40.0),
+        (piecewise(), 0.4, 0.4 / 10.0),
+        (piecewise(), 2.0, 0.05 + 1.5 / 60.0),
+        (
+            ChordLaw::Exponential {
+                scale_mpa: 0.1,
+                exponent: 60.0,
+            },
+            3.0,
+            exponential(0.1, 60.0, 3.0),
+        ),
+        (collagen.clone(), 1.0, exponential(0.1, 60.0, 1.0)),
+        (collagen, recruited + 2.0, 0.05 + 2.0 / 100.0),
+        (
+            ChordLaw::Table {
+                strain: vec![0.0, 0.02, 0.04, 0.06],
+                stress_mpa: vec![0.0, 0.2, 1.0, 3.0],
+            },
+            2.0,
+            0.05,
+        ),
+    ];
+    for (law, stress_mpa, strain) in cases {
+        let points = vec![Vec3::zeros(), Vec3::x(), Vec3::new(1.0, 0.0, -LENGTH_MM)];
+        // The chord alone holds the vertex 2; the bar makes a mesh of it.
+        let mut model = frame(points, vec![[0, 1, 2]], &[([0, 1], 1.0)], &[0, 1]);
+        model.dead_loads_n = vec![(2, Vec3::z() * (-stress_mpa * AREA_MM2))];
+        model.chords = Chords {
+            points: vec![vec![(1, 1.0)], vec![(2, 1.0)]],
+            ends: vec![[0, 1]],
+            rest_length_mm: vec![LENGTH_MM],
+            area_mm2: vec![AREA_MM2],
+            group: vec![0],
+            laws: vec![law.clone()],
+        };
+        model.chord_groups = vec!["chord".into()];
+        let equilibrium = settled("chord", &model, model.rest_mm.clone());
+        let found = -equilibrium.state.positions_mm[2].z / LENGTH_MM - 1.0;
+        report(&format!(
+            "weight on a chord, {law:?}: strain {found:.8}, off by {:.1e}",
+            error(found, strain)
+        ));
+        assert!(error(found, strain) < 1e-7, "{law:?}");
+        assert!(error(equilibrium.reactions_n[1].norm(), stress_mpa * AREA_MM2) < 1e-7);
+    }
+}
+
+fn piecewise() -> ChordLaw {
+    ChordLaw::PiecewiseLinear {
+        toe_modulus_mpa: 10.0,
+        transition_strain: 0.05,
+        modulus_mpa: 60.0,
+    }
 }
 
 /// A chain of n equal links with a weight at each joint: all links pull sideways with the same H, and each holds one weight

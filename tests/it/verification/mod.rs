@@ -10,6 +10,7 @@ mod circular;
 mod classics;
 mod frames;
 mod laws;
+mod meshes;
 mod mylar;
 mod patch;
 mod patch_membranes;
@@ -18,6 +19,7 @@ mod shapes;
 mod sphere_membranes;
 mod spheres;
 mod squeezed_tube;
+mod strips;
 
 use coapt::Vec3;
 use coapt::model::Model;
