@@ -105,12 +105,13 @@ fn a_spring_disk_rises_as_henckys() {
     assert!(errors[0] < 0.003 && errors[1] < 0.005, "{errors:?}");
 }
 
-/// Halved edges leave a quarter of the error, chords in place of the circle's arcs included.
+/// Halved edges leave a quarter of the error, chords in place of the circle's arcs included; down to a few 1e-5, where it is seen
+/// that a lattice is its mean over orientations only nearly.
 #[test]
 fn a_spring_disk_converges_with_the_square_of_its_edges() {
     let q = 1e-2;
     let exact = follower(&spring_mean, q, 1.0 / 3.0);
-    let sizes: &[i32] = if full() { &[4, 8, 16, 32, 64] } else { &[4, 8, 16] };
+    let sizes: &[i32] = if full() { &[4, 8, 16, 32] } else { &[4, 8, 16] };
     let errors: Vec<[f64; 2]> = sizes
         .iter()
         .map(|&rings| {

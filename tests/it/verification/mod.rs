@@ -2,7 +2,7 @@
 //! solved here beside them. Nothing is compared with figures that were copied: what a test needs it computes, and where
 //! `../shared/oracles` is present the same numbers are held against those of another program.
 //!
-//! Every test prints what it measured (`cargo test --test it verification -- --nocapture`); `COAPT_FULL=1` adds finer
+//! Every test prints what it measured (`cargo test --test it verification -- --nocapture`); `COAPT_VERIFICATION=1` adds finer
 //! meshes.
 
 mod bileaflet;
@@ -52,7 +52,7 @@ fn report(line: &str) {
 
 /// Whether finer meshes are wanted.
 fn full() -> bool {
-    std::env::var_os("COAPT_FULL").is_some()
+    std::env::var_os("COAPT_VERIFICATION").is_some()
 }
 
 /// What another program found, from `../shared/oracles`; nothing where that folder is absent.
