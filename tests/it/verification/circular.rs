@@ -61,7 +61,7 @@ fn hencky_series_is_the_oracles() {
     }
 }
 
-/// So is the shooting: 400 steps of fourth order against 1500.
+/// So is the shooting: 150 steps of fourth order against 1500.
 #[test]
 fn follower_shooting_is_the_oracles() {
     let Some(values) = oracle("circular_follower.json") else {

@@ -120,7 +120,7 @@ pub(super) fn follower(law: Law, q: f64, nu: f64) -> Follower {
 
 /// r, H, z and the volume at the rim.
 fn shoot(law: Law, q: f64, stretch: f64) -> [f64; 4] {
-    const STEPS: u32 = 400;
+    const STEPS: u32 = 150;
     // The centre itself divides by zero.
     let begin = 1e-6;
     let step = (1.0 - begin) / f64::from(STEPS);
