@@ -9,3 +9,4 @@ mod derivatives;
 mod kaiser;
 mod roads;
 mod stress;
+mod verification;
