@@ -1,5 +1,4 @@
-//! Mitral valves of an independent mass-spring code (Kaiser, McQueen & Peskin, "Modeling the mitral valve", arXiv
-//! 1902.00018), each with the equilibrium that it found under pressure: ours must be the same.
+//! Mitral valves of an independent mass-spring code (Kaiser et al., "Modeling the mitral valve", arXiv 1902.00018), each with the equilibrium that it found under pressure: ours must be the same.
 //!
 //! Its leaflets and chordae are springs of one law that carry tension only, as our chordae do, so that all of them become
 //! chordae here; nothing touches. Its pressure is a rule of its own: a node on its grid gets
@@ -226,7 +225,7 @@ fn farthest(one: &[Vec3], other: &[Vec3]) -> f64 {
 #[test]
 fn equilibria_of_an_independent_mass_spring_code_are_returned() {
     let Some(folder) = folder() else {
-        println!("skipped: ../shared not present");
+        eprintln!("skipped: ../shared not present");
         return;
     };
     for case in ["ct_32", "ct_64", "normal1_32", "normal1_64"] {
@@ -235,7 +234,7 @@ fn equilibria_of_an_independent_mass_spring_code_are_returned() {
         let start = std::time::Instant::now();
         let (equilibrium, closures) = close(&mut valve);
         let off = farthest(&equilibrium.state.positions_mm, &valve.closed_mm);
-        println!(
+        eprintln!(
             "{case}: farthest node {off:.1e} mm off, after moving by {moved:.1} mm; {closures} closures, {:.0} ms",
             start.elapsed().as_secs_f64() * 1e3
         );
