@@ -2,6 +2,7 @@
 
 mod allocation;
 mod bad_inputs;
+mod calculix;
 mod closure;
 mod coarsen;
 mod contact;

@@ -93,7 +93,7 @@ fn read(path: &Path) -> Result<Case, Vec<Fault>> {
 
 impl Source {
     /// Faults of the library, with the lines that they speak of.
-    fn locate(&self, faults: &[Fault]) -> Vec<Fault> {
+    pub(crate) fn locate(&self, faults: &[Fault]) -> Vec<Fault> {
         faults.iter().map(|fault| self.located(fault)).collect()
     }
 

@@ -12,6 +12,7 @@ mod case;
 mod check;
 mod closure;
 mod compare;
+mod export;
 mod generate;
 mod output;
 mod study;
@@ -44,6 +45,8 @@ enum Verb {
     Compare(compare::Arguments),
     /// Write a parametric valve as a scene
     Generate(generate::Arguments),
+    /// Write a valve as input of another engine (CalculiX, FEBio), or that engine's result as a surface
+    Export(export::Arguments),
     /// Close a valve at many settings; set error against time and find the knee
     Study(study::Arguments),
 }
@@ -62,6 +65,7 @@ fn main() -> ExitCode {
         Verb::Check(arguments) => check::run(arguments),
         Verb::Compare(arguments) => compare::run(arguments),
         Verb::Generate(arguments) => generate::run(arguments),
+        Verb::Export(arguments) => export::run(arguments),
         Verb::Study(arguments) => study::run(arguments),
     };
     match outcome {

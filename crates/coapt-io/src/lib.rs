@@ -8,6 +8,8 @@ pub mod mesh;
 
 pub mod scene;
 
+pub mod export;
+
 pub mod report;
 
 pub mod study;

@@ -85,9 +85,7 @@ fn write_valve(folder: &Path, closed: &Closed) -> Result<(), Fault> {
     let model = &closed.model;
     let positions = &closed.equilibrium.state.positions_mm;
     write_vtp(&folder.join("open.vtp"), &leaflets(model, &model.rest_mm))?;
-    let mut surface = leaflets(model, positions);
-    surface.point_arrays.extend(at_points(model, positions));
-    write_vtp(&folder.join("closed.vtp"), &surface)?;
+    write_closed_surface(&folder.join("closed.vtp"), model, positions)?;
     if model.chords.ends.is_empty() {
         return Ok(());
     }
@@ -99,6 +97,16 @@ fn write_valve(folder: &Path, closed: &Closed) -> Result<(), Fault> {
         measure::chord_forces(model, positions).into_iter(),
     ));
     write_vtp(&folder.join("chords.vtp"), &lines)
+}
+
+/// Writes `closed.vtp` under any name, from positions of any source: the leaflets with what is known at every point.
+///
+/// # Errors
+/// A position that is not finite, or what the file system says.
+pub fn write_closed_surface(path: &Path, model: &Model, positions_mm: &[Vec3]) -> Result<(), Fault> {
+    let mut surface = leaflets(model, positions_mm);
+    surface.point_arrays.extend(at_points(model, positions_mm));
+    write_vtp(path, &surface)
 }
 
 /// The leaflets in some position.

@@ -1,0 +1,109 @@
+//! Models for other engines, and their answers: the same mesh, laws, supports and loads, so that a closure can be
+//! checked by a program that shares no line with this one.
+//!
+//! | file | engine | what is carried over |
+//! |---|---|---|
+//! | `.inp` | CalculiX (and Abaqus, not tried) | leaflets, chordae, supports, pressure; no contact |
+//! | `.feb` | FEBio, spec 4.0 | the same, and contact between leaflets, of FEBio's kind |
+//!
+//! Node v + 1 is vertex v in both. Units are mm, N, MPa. Each file begins with a comment that says which law became
+//! which card, and what could not be carried over. A law without an equal is refused.
+//!
+//! A `.feb` was checked against FEBio's documentation only: we have never run FEBio.
+
+mod calculix;
+mod febio;
+mod material;
+mod results;
+
+use std::fmt::{Arguments, Write};
+use std::path::Path;
+
+use coapt::Vec3;
+use coapt::model::Model;
+use coapt::scene::Fault;
+
+pub use calculix::calculix;
+pub use febio::febio;
+pub use results::read_positions;
+
+use crate::atomic::write_text_atomically;
+
+/// Writes an exported model.
+///
+/// # Errors
+/// What the file system says; the old file is then untouched.
+pub fn write_export(path: &Path, text: &str) -> Result<(), Fault> {
+    write_text_atomically(path, text.as_bytes())
+        .map_err(|error| Fault::error(path.display().to_string(), error.to_string()))
+}
+
+/// A line more. Writing to a string cannot fail.
+fn put(text: &mut String, line: Arguments<'_>) {
+    let _ = text.write_fmt(line);
+    text.push('\n');
+}
+
+/// What both formats say first, a line each.
+fn heading(model: &Model, engine: &str, cards: &[String], lost: &[&str]) -> Vec<String> {
+    let mut lines = vec![
+        format!(
+            "{} for {engine}, made by coapt {}",
+            plain(&model.name),
+            env!("CARGO_PKG_VERSION")
+        ),
+        "units: mm, N, MPa; node v + 1 is vertex v of the model; element f + 1 is its face f".to_owned(),
+    ];
+    for (leaflet, card) in model.leaflets.iter().zip(cards) {
+        lines.push(format!("leaflet {}: {card}", plain(&leaflet.name)));
+    }
+    lines.extend(lost.iter().map(|what| format!("not carried over: {what}")));
+    lines
+}
+
+/// No scene has dead loads, so that no export carries them; a model made in a program may.
+fn refuse_dead_loads(model: &Model) -> Result<(), Vec<Fault>> {
+    if model.dead_loads_n.is_empty() {
+        return Ok(());
+    }
+    let message = format!(
+        "{} forces on vertices are not exported; expected none",
+        model.dead_loads_n.len()
+    );
+    Err(vec![Fault::error("dead_loads_n", message)])
+}
+
+/// A name as it may stand in any comment: printable ASCII, no `--`, not long.
+fn plain(name: &str) -> String {
+    let safe = |letter: char| match letter {
+        ' '..='~' if letter != '-' => letter,
+        _ => '_',
+    };
+    name.chars().take(60).map(safe).collect()
+}
+
+/// Density [t/mm³] for the dynamic step, no tissue's: so heavy that the step is orderly, so light that it ends near the
+/// balance. A piece of leaflet under the pressure alone would travel ½ p / (ρ t) in the step of one second, here 17 times
+/// the size of the valve. At ten times the density CalculiX takes half the time, but one of four valves came to rest in
+/// another balance.
+fn density(model: &Model) -> f64 {
+    let areas = (0..model.faces.len()).map(|face| {
+        let [a, b, c] = corners(model, face);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    });
+    let size_mm = areas.sum::<f64>().sqrt();
+    let thickest = model
+        .leaflets
+        .iter()
+        .map(|leaflet| leaflet.thickness_mm)
+        .fold(0.0, f64::max);
+    // About 1 mmHg, where there is next to no pressure.
+    0.03 * model.pressure_mpa.abs().max(1e-4) / (thickest * size_mm)
+}
+
+fn corners(model: &Model, face: usize) -> [Vec3; 3] {
+    model.faces[face].map(|vertex| model.rest_mm[vertex as usize])
+}
+
+#[cfg(test)]
+mod tests;
