@@ -7,5 +7,6 @@ mod coarsen;
 mod contact;
 mod derivatives;
 mod kaiser;
+mod personalise;
 mod roads;
 mod stress;

@@ -11,8 +11,10 @@
 mod case;
 mod check;
 mod closure;
+mod fit_tissue;
 mod generate;
 mod output;
+mod personalise;
 mod study;
 
 use std::process::ExitCode;
@@ -41,6 +43,10 @@ enum Verb {
     Check(check::Arguments),
     /// Write a parametric valve as a scene
     Generate(generate::Arguments),
+    /// Fit the lengths of the chordae to an imaged closed valve, and report the error before and after
+    Personalise(personalise::Arguments),
+    /// Fit the springs of the leaflets to a biaxial curve; print them as a block for a scene
+    FitTissue(fit_tissue::Arguments),
     /// Close a valve at many settings; set error against time and find the knee
     Study(study::Arguments),
 }
@@ -58,6 +64,8 @@ fn main() -> ExitCode {
         Verb::Closure(arguments) => closure::run(arguments),
         Verb::Check(arguments) => check::run(arguments),
         Verb::Generate(arguments) => generate::run(arguments),
+        Verb::Personalise(arguments) => personalise::run(arguments),
+        Verb::FitTissue(arguments) => fit_tissue::run(arguments),
         Verb::Study(arguments) => study::run(arguments),
     };
     match outcome {

@@ -2,6 +2,8 @@
 
 pub mod atomic;
 
+pub mod biaxial;
+
 pub mod mesh;
 
 pub mod scene;

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::annulus::plane_of;
 use super::distance::{point_triangle, triangle_area};
+use super::plane::AnnularPlane;
 use super::raster::Raster;
 use super::surface::{Surface, surface};
 use super::tree::{Tree, tree};
@@ -79,25 +80,46 @@ struct Sample {
 
 /// Points of the visible surface, evenly over each face; none without an annular plane.
 fn visible_points(model: &Model, s: &Surface) -> Option<Vec<Sample>> {
-    let plane = plane_of(model, s.positions_mm)?;
-    let local: Vec<Vec3> = s.positions_mm.iter().map(|&p| plane.local(p)).collect();
-    let leaflets: Vec<Vec3> = s.faces.iter().flatten().map(|&v| local[v as usize]).collect();
-    let thickness_mm = model.contact.thickness_mm;
-    let mut top = Raster::over(&leaflets, PIXEL_MM);
-    for face in s.faces {
-        top.paint(face.map(|v| local[v as usize]));
-    }
-    top.close_slits(SLIT_THICKNESSES * thickness_mm);
+    let view = View::new(model, s.positions_mm)?;
     let mut samples = Vec::new();
     for face in 0..s.faces.len() {
         sample_face(s.corners(face), &mut samples);
     }
-    samples.retain(|sample| {
-        let seen = plane.local(sample.place);
-        top.height_at(seen.x, seen.y)
-            .is_none_or(|height| height - seen.z <= HIDDEN_THICKNESSES * thickness_mm)
-    });
+    samples.retain(|sample| view.shows(sample.place));
     Some(samples)
+}
+
+/// A closed valve seen from the atrium, along the normal of its annular plane.
+pub(crate) struct View {
+    plane: AnnularPlane,
+    top: Raster,
+    hidden_mm: f64,
+}
+
+impl View {
+    /// Looks at a valve in usable positions, shape `[vertex]`; none without an annular plane.
+    pub(crate) fn new(model: &Model, positions_mm: &[Vec3]) -> Option<Self> {
+        let plane = plane_of(model, positions_mm)?;
+        let local: Vec<Vec3> = positions_mm.iter().map(|&p| plane.local(p)).collect();
+        let leaflets: Vec<Vec3> = model.faces.iter().flatten().map(|&v| local[v as usize]).collect();
+        let mut top = Raster::over(&leaflets, PIXEL_MM);
+        for face in &model.faces {
+            top.paint(face.map(|v| local[v as usize]));
+        }
+        top.close_slits(SLIT_THICKNESSES * model.contact.thickness_mm);
+        Some(Self {
+            plane,
+            top,
+            hidden_mm: HIDDEN_THICKNESSES * model.contact.thickness_mm,
+        })
+    }
+
+    /// Whether a place on the valve's surface is visible.
+    pub(crate) fn shows(&self, place_mm: Vec3) -> bool {
+        let seen = self.plane.local(place_mm);
+        let height = self.top.height_at(seen.x, seen.y);
+        height.is_none_or(|height| height - seen.z <= self.hidden_mm)
+    }
 }
 
 /// The centres of k² equal triangles that a face is cut into.
