@@ -106,7 +106,7 @@ fn one_factor_is_found_again() {
 }
 
 /// The same from the closed shape on another, finer mesh, of which only what is out of contact is seen. Meshes of 650 and of
-/// 1500 faces close to different shapes: 0.9 % at most was measured.
+/// 1500 faces close to different shapes: 0.72 % at most was measured, over all presets.
 #[test]
 fn another_mesh_and_a_part_of_it_will_do() {
     let model = preset_model(Preset::Healthy, FACES, 0.0, 0);
@@ -118,7 +118,7 @@ fn another_mesh_and_a_part_of_it_will_do() {
             false,
         );
         assert!(
-            (fit.groups[0].scale / 1.16 - 1.0).abs() < 0.012,
+            (fit.groups[0].scale / 1.16 - 1.0).abs() < 0.01,
             "{part:?} {:?}",
             fit.groups[0]
         );

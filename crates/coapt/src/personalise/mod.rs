@@ -114,8 +114,8 @@ pub struct GroupScale {
     /// Fitted rest length over the model's own [1].
     pub scale: f64,
     /// Within these, the misfit differs from its least by less than the scatter of the target's points explains, with
-    /// 95 % probability, the other factors being free [1]. It knows of scatter alone: what the model gets wrong, or an
-    /// annulus in the wrong place, comes on top. Without limit to one side, it ends with the range.
+    /// 95 % probability, the other factors being free [1]. It knows of scatter and of the search alone: what the
+    /// model gets wrong, or an annulus in the wrong place, comes on top. Without limit to one side, it ends with the range.
     pub interval_95: [f64; 2],
     /// Whether the interval is narrower than a tenth: else the target does not decide this factor, as where the chordae are
     /// slack, and it stays near the common one.
