@@ -1,4 +1,5 @@
-//! Mitral valves of an independent mass-spring code (Kaiser et al., "Modeling the mitral valve", arXiv 1902.00018), each with the equilibrium that it found under pressure: ours must be the same.
+//! Mitral valves of an independent mass-spring code (Kaiser et al., "Modeling the mitral valve", arXiv 1902.00018), each with
+//! the equilibrium that it found under pressure: ours must be the same.
 //!
 //! Its leaflets and chordae are springs of one law that carry tension only, as our chordae do, so that all of them become
 //! chordae here; nothing touches. Its pressure is a rule of its own: a node on its grid gets
@@ -223,6 +224,7 @@ fn farthest(one: &[Vec3], other: &[Vec3]) -> f64 {
 
 /// 1e-3 mm: their tables have nine digits and their own residual leaves less; what moves by 2 to 9 mm must come back to it.
 #[test]
+#[allow(clippy::print_stderr, reason = "measured figures are what the run is for")]
 fn equilibria_of_an_independent_mass_spring_code_are_returned() {
     let Some(folder) = folder() else {
         eprintln!("skipped: ../shared not present");

@@ -13,8 +13,10 @@ mod check;
 mod closure;
 mod compare;
 mod export;
+mod fit_tissue;
 mod generate;
 mod output;
+mod personalise;
 mod study;
 
 use std::process::ExitCode;
@@ -47,6 +49,10 @@ enum Verb {
     Generate(generate::Arguments),
     /// Write a valve as input of another engine (CalculiX, FEBio), or that engine's result as a surface
     Export(export::Arguments),
+    /// Fit the lengths of the chordae to an imaged closed valve, and report the error before and after
+    Personalise(personalise::Arguments),
+    /// Fit the springs of the leaflets to a biaxial curve; print them as a block for a scene
+    FitTissue(fit_tissue::Arguments),
     /// Close a valve at many settings; set error against time and find the knee
     Study(study::Arguments),
 }
@@ -66,6 +72,8 @@ fn main() -> ExitCode {
         Verb::Compare(arguments) => compare::run(arguments),
         Verb::Generate(arguments) => generate::run(arguments),
         Verb::Export(arguments) => export::run(arguments),
+        Verb::Personalise(arguments) => personalise::run(arguments),
+        Verb::FitTissue(arguments) => fit_tissue::run(arguments),
         Verb::Study(arguments) => study::run(arguments),
     };
     match outcome {

@@ -4,6 +4,8 @@ pub mod atomic;
 
 pub mod compare;
 
+pub mod biaxial;
+
 pub mod mesh;
 
 pub mod scene;

@@ -31,6 +31,10 @@ pub mod relax;
 
 pub mod measure;
 
+pub mod personalise;
+
+pub mod tissue_fit;
+
 /// A point or a vector in space [mm] unless said otherwise.
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// A 3×3 matrix, the size of one block of a Hessian [N/mm].

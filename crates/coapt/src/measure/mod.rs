@@ -13,7 +13,7 @@ pub mod orifice;
 pub mod tenting;
 pub mod visible;
 
-mod atrial_view;
+pub(crate) mod atrial_view;
 mod distance;
 mod plane;
 mod raster;

@@ -6,8 +6,7 @@
 
 use serde::Serialize;
 
-use super::annulus::plane_of;
-use super::atrial_view::atrial_view;
+use super::atrial_view::view_of;
 use super::distance::{point_triangle, triangle_area};
 use super::statistics::DistanceStatistics;
 use super::surface::{Surface, surface};
@@ -65,8 +64,7 @@ struct Sample {
 
 /// Points of the visible surface, evenly over each face; none without an annular plane.
 fn visible_points(model: &Model, s: &Surface) -> Option<Vec<Sample>> {
-    let plane = plane_of(model, s.positions_mm)?;
-    let view = atrial_view(plane, s.positions_mm, s.faces, model.contact.thickness_mm);
+    let view = view_of(model, s.positions_mm)?;
     let mut samples = Vec::new();
     for face in 0..s.faces.len() {
         sample_face(s.corners(face), &mut samples);

@@ -1,0 +1,98 @@
+//! Closures with other chord lengths, counted, and what came of each.
+
+use rayon::prelude::*;
+
+use super::misfit::{Misfit, misfit};
+use super::{Target, Trial, Tried};
+use crate::model::Model;
+use crate::relax::{Equilibrium, Status, relax};
+use crate::state::State;
+
+/// A closure that converged.
+#[derive(Clone, Debug)]
+pub(super) struct Closed {
+    /// Factors, shape `[chord group]`.
+    pub(super) scale: Vec<f64>,
+    /// Where it came to rest.
+    pub(super) equilibrium: Equilibrium,
+    /// Its distance from the target.
+    pub(super) misfit: Misfit,
+}
+
+/// The valve, the target, and all closures so far.
+pub(super) struct Closures<'a> {
+    pub(super) model: &'a Model,
+    target: &'a Target,
+    /// Those that converged.
+    pub(super) converged: Vec<Closed>,
+    /// All of them.
+    pub(super) history: Vec<Trial>,
+}
+
+impl<'a> Closures<'a> {
+    pub(super) fn new(model: &'a Model, target: &'a Target) -> Self {
+        Self {
+            model,
+            target,
+            converged: Vec::new(),
+            history: Vec::new(),
+        }
+    }
+
+    /// Closes the valve with each of these factors, side by side, from its open state or from a closed one; nothing where it
+    /// did not converge.
+    pub(super) fn close_all(&mut self, scales: Vec<Vec<f64>>, from: Option<&State>) -> Vec<Option<Closed>> {
+        let open = State::open(self.model);
+        let start = from.unwrap_or(&open);
+        let close = |scale: Vec<f64>| {
+            let equilibrium = relax(&scaled(self.model, &scale), start);
+            let misfit = misfit(
+                self.model,
+                &equilibrium.state.positions_mm,
+                &self.target.points_mm,
+            );
+            Closed {
+                scale,
+                equilibrium,
+                misfit,
+            }
+        };
+        let closed: Vec<Closed> = scales.into_par_iter().map(close).collect();
+        closed
+            .into_iter()
+            .map(|closed| self.note(closed, from.is_some()))
+            .collect()
+    }
+
+    fn note(&mut self, closed: Closed, warm: bool) -> Option<Closed> {
+        let converged = closed.equilibrium.status == Status::Converged;
+        self.history.push(Trial {
+            scale: closed.scale.clone(),
+            warm,
+            iterations: closed.equilibrium.history.len(),
+            rms_mm: converged.then(|| closed.misfit.of_all().rms_mm),
+        });
+        self.converged.extend(converged.then(|| closed.clone()));
+        converged.then_some(closed)
+    }
+
+    /// A closure as it is told.
+    pub(super) fn tried(&self, closed: &Closed) -> Tried {
+        Tried {
+            model: scaled(self.model, &closed.scale),
+            all_points: closed.misfit.of_all(),
+            visible_points: closed.misfit.of_visible(),
+            equilibrium: closed.equilibrium.clone(),
+        }
+    }
+}
+
+/// The valve with the rest lengths of each chord group multiplied.
+fn scaled(model: &Model, scale: &[f64]) -> Model {
+    let mut scaled = model.clone();
+    let chords = &mut scaled.chords;
+    for (length_mm, &group) in chords.rest_length_mm.iter_mut().zip(&chords.group) {
+        *length_mm *= scale[group as usize];
+    }
+    scaled
+}
