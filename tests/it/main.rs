@@ -11,4 +11,5 @@ mod kaiser;
 mod personalise;
 mod roads;
 mod stress;
+mod texas;
 mod verification;
