@@ -8,6 +8,7 @@ mod coarsen;
 mod contact;
 mod derivatives;
 mod kaiser;
+mod laws;
 mod personalise;
 mod roads;
 mod stress;

@@ -209,3 +209,151 @@ fn table(strain: &[f64], stress_mpa: &[f64], place: &str, faults: &mut Faults) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{faults, skirt, told};
+    use crate::scene::{ChordLaw, SpringBranches, Tissue, Wrinkling};
+
+    const GOOD: SpringBranches = SpringBranches {
+        pre_transition_modulus_mpa: 0.1,
+        transition_strain: 0.2,
+        post_transition_modulus_mpa: 4.0,
+    };
+
+    fn springs(circumferential: SpringBranches, radial: SpringBranches) -> Tissue {
+        Tissue::AnisotropicSprings {
+            circumferential,
+            radial,
+            compression_modulus_ratio: 1.0,
+            bending_modulus_mpa: 0.0,
+        }
+    }
+
+    fn green(modulus_mpa: f64, poisson_ratio: f64) -> Tissue {
+        Tissue::StVenantKirchhoff {
+            modulus_mpa,
+            poisson_ratio,
+            wrinkling: Wrinkling::Resolved,
+            bending_modulus_mpa: 0.0,
+        }
+    }
+
+    fn exponential(c1_mpa: f64, c2: f64, compressibility_per_mpa: f64, bending_modulus_mpa: f64) -> Tissue {
+        Tissue::Exponential {
+            c0_mpa: 0.001,
+            c1_mpa,
+            c2,
+            compressibility_per_mpa,
+            wrinkling: Wrinkling::Resolved,
+            bending_modulus_mpa,
+        }
+    }
+
+    fn may_newman(c0_mpa: f64, c1: f64, c2: f64) -> Tissue {
+        Tissue::MayNewman {
+            c0_mpa,
+            c1,
+            c2,
+            wrinkling: Wrinkling::Resolved,
+            bending_modulus_mpa: 0.0,
+        }
+    }
+
+    #[test]
+    fn every_wrong_constant_of_tissue_is_told() {
+        let soft = SpringBranches {
+            pre_transition_modulus_mpa: 5.0,
+            ..GOOD
+        };
+        let flat = SpringBranches {
+            transition_strain: -0.1,
+            ..GOOD
+        };
+        let wrongs = [
+            (
+                springs(soft, GOOD),
+                "circumferential.post_transition",
+                "below the pre-transition modulus 5",
+            ),
+            (springs(GOOD, flat), "radial.transition_strain", "is -0.1"),
+            (green(0.0, 0.4), "modulus_mpa", "is 0 MPa"),
+            (
+                green(0.1, 1.0),
+                "poisson_ratio",
+                "is 1, expected above -1 and below 1",
+            ),
+            (green(0.1, f64::NAN), "poisson_ratio", "NaN"),
+            (exponential(-1.0, 4.0, 0.0, 0.0), "c1_mpa", "is -1 MPa"),
+            (exponential(1.0, f64::INFINITY, 0.0, 0.0), "c2", "inf"),
+            (
+                exponential(1.0, 4.0, -20.0, 0.0),
+                "compressibility_per_mpa",
+                "is -20 1/MPa",
+            ),
+            (exponential(1.0, 4.0, 0.0, f64::NAN), "bending_modulus_mpa", "NaN"),
+            (may_newman(0.0, 4.0, 100.0), "c0_mpa", "is 0 MPa"),
+            (may_newman(1e-3, 0.0, 100.0), "c1", "is 0,"),
+            (
+                may_newman(1e-3, 4.0, 1e9),
+                "c2",
+                "is 1000000000, expected 0 to 100000",
+            ),
+        ];
+        for (tissue, key, words) in wrongs {
+            let mut scene = skirt();
+            scene.leaflets[1].tissue = tissue;
+            assert!(
+                told(&faults(&scene), &format!("leaflets[1].tissue.{key}"), words),
+                "{tissue:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn every_wrong_chord_law_is_told() {
+        let table = |strain: &[f64], stress_mpa: &[f64]| ChordLaw::Table {
+            strain: strain.to_vec(),
+            stress_mpa: stress_mpa.to_vec(),
+        };
+        let toe = ChordLaw::PiecewiseLinear {
+            toe_modulus_mpa: 3.0,
+            transition_strain: 0.0,
+            modulus_mpa: 30.0,
+        };
+        let wrongs = [
+            (ChordLaw::Linear { modulus_mpa: -3.0 }, "modulus_mpa", "is -3 MPa"),
+            (toe, "transition_strain", "is 0,"),
+            (table(&[0.0], &[0.0]), "strain", "has 1 points"),
+            (
+                table(&[0.0, 0.1], &[0.0]),
+                "stress_mpa",
+                "has 1 entries, but there are 2 strains",
+            ),
+            (
+                table(&[0.1, 0.2], &[0.0, 1.0]),
+                "strain point 0",
+                "is 0.1, expected 0",
+            ),
+            (
+                table(&[0.0, 0.1, 0.1], &[0.0, 1.0, 2.0]),
+                "strain point 2",
+                "is 0.1 after 0.1, expected values rising",
+            ),
+            (
+                table(&[0.0, 0.1, 0.2], &[0.0, 1.0, 0.5]),
+                "stress_mpa point 2",
+                "is 0.5 after 1, expected values nowhere falling",
+            ),
+            (table(&[0.0, f64::NAN], &[0.0, 1.0]), "strain point 1", "NaN"),
+        ];
+        for (law, key, words) in wrongs {
+            let mut scene = skirt();
+            scene.chordae[0].law = Some(law.clone());
+            assert!(
+                told(&faults(&scene), &format!("chordae[0].law.{key}"), words),
+                "{law:?}"
+            );
+        }
+    }
+}

@@ -4,13 +4,12 @@
 //! same fifteen to thirty iterations at 650 faces and at 10,000. The way that the fine vertices took does not matter, as
 //! long as nothing crosses where they begin; where something would, they walk there from the open valve, bounded by contact.
 
-use super::load::reference_force_n;
 use super::newton::Newton;
+use super::soft_chordae::{SOFT_MM, soften};
 use super::{Iteration, Status};
 use crate::Vec3;
 use crate::coarsen::coarsen;
 use crate::contact::crossing::crossings;
-use crate::energy::chord_law::response;
 use crate::model::Model;
 
 /// Leaflet vertices of the fine model per vertex of the coarse one [1]: edges twice as long. Where the carried-over shape
@@ -54,7 +53,7 @@ fn carried_over(model: &Model, vertex_target: usize, history: &mut Vec<Iteration
     let settings = &mut coarse.model.settings;
     settings.residual_tolerance = settings.residual_tolerance.max(COARSE_TOLERANCE);
     settings.iteration_limit = settings.iteration_limit.min(COARSE_ITERATION_LIMIT);
-    soften(&mut coarse.model, COARSE_CHORD_STRETCH_MM);
+    soften(&mut coarse.model, SOFT_MM);
     let mut newton = Newton::new(&coarse.model);
     newton.step_limit_mm *= COARSE_STEP;
     // Whether the coarse valve is stable does not matter.
@@ -71,51 +70,4 @@ fn carried_over(model: &Model, vertex_target: usize, history: &mut Vec<Iteration
         shape[prescribed.vertex as usize] = prescribed.target_mm;
     }
     Some(shape)
-}
-
-/// Chordae of a coarse valve give at least so much under their share of the load [mm].
-const COARSE_CHORD_STRETCH_MM: f64 = 0.1;
-
-/// Chordae that give less than this under their share of the load are stiffened in stages, each of so many times the last.
-const STIFFENING: f64 = 10.0;
-const STIFFENED_TOLERANCE: f64 = 0.3;
-const STIFFENING_LIMIT: u32 = 60;
-
-/// From the soft chordae of coarse valves to those of this one, stage by stage, so that none goes slack on the way.
-pub(super) fn stiffen(model: &Model, positions: &mut Vec<Vec3>, history: &mut Vec<Iteration>) {
-    let mut give_mm = COARSE_CHORD_STRETCH_MM;
-    loop {
-        let mut soft = model.clone();
-        let ratio = soften(&mut soft, give_mm);
-        if ratio > 0.1 {
-            return;
-        }
-        soft.settings.residual_tolerance = soft.settings.residual_tolerance.max(STIFFENED_TOLERANCE);
-        soft.settings.iteration_limit = soft.settings.iteration_limit.min(STIFFENING_LIMIT);
-        let mut newton = Newton::new(&soft);
-        newton.escape_limit = 0;
-        newton.iterate(positions, history);
-        give_mm /= STIFFENING;
-    }
-}
-
-/// Makes chordae so thin that each gives by so much under its share of the pressure's force; the smallest ratio of what is
-/// left to what was [1].
-///
-/// A stiff rod that passes from slack to taut within a step throws the valve about: it carries nothing, then a hundred times
-/// its load, and every such kink costs iterations.
-fn soften(model: &mut Model, give_mm: f64) -> f64 {
-    let count = model.chords.ends.len().max(1) as f64;
-    let share_n = reference_force_n(model) * model.leaflet_vertex_count as f64 / count;
-    let chords = &mut model.chords;
-    let mut least = 1.0_f64;
-    for index in 0..chords.ends.len() {
-        let rest_length_mm = chords.rest_length_mm[index];
-        let law = &chords.laws[chords.group[index] as usize];
-        let stress_mpa = response(law, give_mm / rest_length_mm).stress_mpa;
-        let area = chords.area_mm2[index].min(share_n / stress_mpa);
-        least = least.min(area / chords.area_mm2[index]);
-        chords.area_mm2[index] = area;
-    }
-    least
 }

@@ -10,6 +10,7 @@ mod levels;
 mod line_search;
 pub mod load;
 mod newton;
+mod soft_chordae;
 pub mod stability;
 mod system;
 
@@ -81,7 +82,7 @@ pub fn relax(model: &Model, start: &State) -> Equilibrium {
     let at_rest = newton.residual(&newton.gradient) <= model.settings.residual_tolerance;
     if model.settings.coarse_to_fine && positions == model.rest_mm && !at_rest {
         positions = levels::begin(&mut newton, &mut history).unwrap_or(positions);
-        levels::stiffen(model, &mut positions, &mut history);
+        soft_chordae::stiffen(model, &mut positions, &mut history);
     }
     let status = newton.iterate(&mut positions, &mut history);
     conclude(&mut newton, positions, status, history)
