@@ -85,10 +85,9 @@ fn study(
                 .leaflets
                 .iter()
                 .map(|leaflet| of(laws, leaflet)[number]);
-            let first = firsts.get(mesh).unwrap_or(&closure);
             rows.push(LawRow {
                 curve_error: told.map(|told| told.relative_error).collect(),
-                ..row(&closure, wall_ms, reference.as_ref(), first)
+                ..row(&closure, wall_ms, reference.as_ref(), firsts.get(mesh))
             });
             if number == 0 {
                 firsts.push(closure);
@@ -140,7 +139,7 @@ fn of<'a>(laws: &'a [Vec<Told>; 2], leaflet: &Leaflet) -> &'a [Told] {
 }
 
 /// A row but for how far its law is from the tissue's curve.
-fn row(closure: &Closure, wall_ms: f64, reference: Option<&Closure>, first: &Closure) -> LawRow {
+fn row(closure: &Closure, wall_ms: f64, reference: Option<&Closure>, first: Option<&Closure>) -> LawRow {
     let (model, closed) = (&closure.model, &closure.closed);
     let positions_mm = &closed.state.positions_mm;
     let measures = measure(model, positions_mm, &closed.reactions_n);
@@ -158,7 +157,7 @@ fn row(closure: &Closure, wall_ms: f64, reference: Option<&Closure>, first: &Clo
         iterations: closed.history.len(),
         wall_ms,
         mesh_error: reference.and_then(distance),
-        model_error: distance(first),
+        model_error: first.and_then(distance),
         coaptation_area_mm2: measures.coaptation.area_mm2,
         orifice_area_mm2: measures.orifice.area_mm2,
         largest_chord_force_n: measures.chords.max_force_n,

@@ -69,7 +69,7 @@ pub struct LawRow {
     pub wall_ms: f64,
     /// Distance to the reference mesh; absent without a certified one, or where nothing is visible.
     pub mesh_error: Option<VisibleDistance>,
-    /// Distance to the first law; absent where that is not certified, or nothing is visible.
+    /// Distance to the first law; absent of that itself, where it is not certified, or nothing is visible.
     pub model_error: Option<VisibleDistance>,
     /// Area of contact of the leaflets [mm²].
     pub coaptation_area_mm2: f64,
