@@ -6,7 +6,7 @@
 use super::curve::stress_of_law_mpa;
 use super::least_squares::two_factors;
 use super::{BiaxialPoint, in_range, least, longest_stretch, misfit};
-use crate::energy::membrane::{Law, exponential, st_venant_kirchhoff};
+use crate::energy::membrane::{Law, MOST_EXPONENT, exponential, st_venant_kirchhoff};
 use crate::scene::Fault;
 
 /// A fitted law, and how far it is from what it was fitted to.
@@ -54,7 +54,8 @@ pub fn st_venant_kirchhoff_from_curve(
 
 /// The incompressible exponential law that does so.
 ///
-/// C₂ is sought up to where the exponent at the longest stretch, both ways, is [`MOST_EXPONENT`]; C₀ and C₁ are exact for it.
+/// C₂ is sought up to where the exponent at the longest stretch, both ways, is 8, beyond which the law itself is carried on as a
+/// parabola; C₀ and C₁ are exact for it.
 ///
 /// # Errors
 /// As [`super::bilinear_from_curve`].
@@ -80,9 +81,6 @@ pub fn exponential_from_curve(
         working_range_mpa,
     ))
 }
-
-/// Tissue at work reaches exponents of 2 to 5; beyond 8 the law itself is carried on as a parabola.
-const MOST_EXPONENT: f64 = 8.0;
 
 fn of([c0_mpa, c1_mpa]: [f64; 2], c2: f64) -> exponential::Constants {
     exponential::Constants {
