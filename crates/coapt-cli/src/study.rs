@@ -1,4 +1,6 @@
-//! `coapt study`: closes one valve at many settings and sets error against time.
+//! `coapt study`: closes one valve at many settings, or under every tissue law, and sets error against time.
+
+mod laws;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -24,7 +26,10 @@ use crate::output::{Failure, Verdict, print, say};
 pub(crate) struct Arguments {
     /// A preset, a scene file, or a folder with a scene.toml [default: healthy]
     scene: Option<PathBuf>,
-    /// Mesh sizes of a preset, in triangles [default: 160,320,650,1300,2600]
+    /// Study tissue laws instead: one tissue told in each law, at the scene's residual and contact thickness
+    #[arg(long, conflicts_with_all = ["tolerance", "thickness"])]
+    laws: bool,
+    /// Mesh sizes of a preset, in triangles [default: 160,320,650,1300,2600; of laws 650]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = mesh_size())]
     faces: Vec<u32>,
     /// Mesh size of the reference, in triangles [default: four times the finest mesh; a scene has but its own]
@@ -40,7 +45,8 @@ pub(crate) struct Arguments {
     /// Closures of each setting, of which the median time counts
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = value_parser!(u16).range(1..=1000))]
     repeats: u16,
-    /// Folder for study.csv, study.json and study.svg, made if need be; results of an earlier run are replaced
+    /// Folder for study.csv, study.json and study.svg (of laws laws.csv and laws.json), made if need be; results of an
+    /// earlier run are replaced
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// How many threads to use; the shapes do not depend on it, the times do [default: one per core]
@@ -78,6 +84,9 @@ fn thickness(word: &str) -> Result<f64, String> {
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
+    if arguments.laws {
+        return laws::run(arguments);
+    }
     let (models, finest) = models(arguments)?;
     // Before minutes of work, not after.
     prepare(&arguments.out)?;
@@ -105,12 +114,27 @@ fn prepare(folder: &Path) -> Result<(), Failure> {
 
 /// The valve at every mesh size, coarsest first, and the one of the reference.
 fn models(arguments: &Arguments) -> Result<(Vec<Model>, Model), Failure> {
+    let (cases, finest) = cases(arguments, &FACES)?;
+    let build = |case: &Case| -> Result<Model, Failure> { Ok(case::build(case)?.0) };
+    let mut models = cases.iter().map(build).collect::<Result<Vec<_>, _>>()?;
+    // Sizes aimed at are met roughly: two of them may be one mesh.
+    models.dedup_by_key(|model| model.faces.len());
+    let finest = match finest {
+        Some(finest) => build(&finest)?,
+        None => models[0].clone(),
+    };
+    Ok((models, finest))
+}
+
+/// The scene at every mesh size, coarsest first, and that of the reference; a scene that is no preset has its own mesh and no
+/// reference.
+fn cases(arguments: &Arguments, usual_faces: &[u32]) -> Result<(Vec<Case>, Option<Case>), Failure> {
     let case = case::open(arguments.scene.as_deref())?;
     let Source::Preset(preset) = case.source else {
-        return of_scene(arguments, &case);
+        return of_scene(arguments, case);
     };
     let mut sizes = match &arguments.faces[..] {
-        [] => FACES.to_vec(),
+        [] => usual_faces.to_vec(),
         faces => faces.to_vec(),
     };
     sizes.sort_unstable();
@@ -119,14 +143,12 @@ fn models(arguments: &Arguments) -> Result<(Vec<Model>, Model), Failure> {
     let of_reference = arguments
         .reference_faces
         .unwrap_or(MOST_FACES.min(finest * REFERENCE_FINER));
-    let build = |faces: u32| -> Result<Model, Failure> { Ok(case::build(&case::preset(preset, faces)?)?.0) };
-    let mut models = sizes.into_iter().map(build).collect::<Result<Vec<_>, _>>()?;
-    // Sizes aimed at are met roughly: two of them may be one mesh.
-    models.dedup_by_key(|model| model.faces.len());
-    Ok((models, build(of_reference)?))
+    let of_size = |faces: u32| -> Result<Case, Failure> { Ok(case::preset(preset, faces)?) };
+    let cases = sizes.into_iter().map(of_size).collect::<Result<Vec<_>, _>>()?;
+    Ok((cases, Some(of_size(of_reference)?)))
 }
 
-fn of_scene(arguments: &Arguments, case: &Case) -> Result<(Vec<Model>, Model), Failure> {
+fn of_scene(arguments: &Arguments, case: Case) -> Result<(Vec<Case>, Option<Case>), Failure> {
     for (option, given) in [
         ("--faces", !arguments.faces.is_empty()),
         ("--reference-faces", arguments.reference_faces.is_some()),
@@ -136,8 +158,7 @@ fn of_scene(arguments: &Arguments, case: &Case) -> Result<(Vec<Model>, Model), F
             return Err(vec![Fault::error(option, message)].into());
         }
     }
-    let (model, _) = case::build(case)?;
-    Ok((vec![model.clone()], model))
+    Ok((vec![case], None))
 }
 
 /// All closures; nothing where the reference cannot be trusted.
@@ -268,21 +289,27 @@ fn close((varied, model): (Factor, Model), repeats: u16) -> Closure {
         model.settings.residual_tolerance,
         model.contact.thickness_mm
     ));
-    let open = State::open(&model);
-    let timed = || {
-        let start = Instant::now();
-        let closed = relax(&model, &open);
-        (closed, start.elapsed().as_secs_f64() * 1e3)
-    };
-    let (closed, first_ms) = timed();
-    let mut times_ms = vec![first_ms];
-    times_ms.extend((1..repeats).map(|_| timed().1));
+    let (closed, wall_ms) = timed(&model, repeats);
     Closure {
         varied,
         closed,
-        wall_ms: median(times_ms),
+        wall_ms,
         model,
     }
+}
+
+/// A valve closed, and the median time [ms].
+fn timed(model: &Model, repeats: u16) -> (Equilibrium, f64) {
+    let open = State::open(model);
+    let once = || {
+        let start = Instant::now();
+        let closed = relax(model, &open);
+        (closed, start.elapsed().as_secs_f64() * 1e3)
+    };
+    let (closed, first_ms) = once();
+    let mut times_ms = vec![first_ms];
+    times_ms.extend((1..repeats).map(|_| once().1));
+    (closed, median(times_ms))
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

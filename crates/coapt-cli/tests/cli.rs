@@ -375,6 +375,39 @@ fn a_study_sets_error_against_time() {
     assert!(knees.len() <= 1 && knees.iter().all(|row| row["on_front"] == true));
 }
 
+/// The coarsest meshes under every law: files, lines, every closure certified. What the laws differ in is measured in
+/// docs/laws.md; here the tissue itself is no distance from itself, and every other law is some.
+#[test]
+fn a_study_of_laws_has_a_line_for_each() {
+    let folder = Folder::new("study-laws");
+    let out = folder.path("out");
+    let mut arguments = vec!["study", "healthy", "--laws", "--faces", "150"];
+    arguments.extend(["--reference-faces", "200", "--repeats", "1", "--out", &out]);
+    let output = coapt(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("one tissue in each law"));
+    let read = |name: &str| std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 2);
+    assert_eq!(read("laws.csv").lines().count(), 1 + 8);
+    let study: Value = serde_json::from_str(&read("laws.json")).unwrap();
+    let rows = study["rows"].as_array().unwrap();
+    assert!(rows.iter().all(|row| row["certified"] == true), "{rows:?}");
+    assert!(rows.iter().all(|row| row["mesh_error"].is_object()), "{rows:?}");
+    assert!(rows[0]["model_error"].is_null());
+    for row in &rows[1..] {
+        let rms_mm = row
+            .pointer("/model_error/rms_mm")
+            .and_then(Value::as_f64)
+            .unwrap();
+        assert!((1e-3..5.0).contains(&rms_mm), "{row}");
+    }
+    assert_eq!(rows[7]["tissues"][1]["wrinkling"], "tension-field");
+    assert_eq!(
+        status(&["study", "--laws", "--tolerance", "1e-3", "--out", &out]),
+        Some(2)
+    );
+}
+
 #[test]
 fn a_study_of_a_scene_has_its_own_mesh_and_wrong_lists_are_refused() {
     let folder = Folder::new("study-scene");

@@ -5,9 +5,11 @@
 //! | `study.csv` | a line per closure |
 //! | `study.json` | the same, with the reference and what the columns mean |
 //! | `study.svg` | error against time, with the knee |
+//! | `laws.csv`, `laws.json` | of a study of laws: a line per closure; the same with the constants of each law |
 
 mod axis;
 mod front;
+mod laws;
 mod plot;
 mod table;
 
@@ -21,6 +23,10 @@ use serde::Serialize;
 use crate::atomic::write_text_atomically;
 
 pub use front::{front, knee, mark};
+pub use laws::{
+    ERROR_OF_LAWS_MEANS, LAWS_SCHEMA, LawRow, LawStudy, MODEL_ERROR_MEANS, csv as csv_of_laws,
+    text as text_of_laws, write_laws,
+};
 pub use plot::svg;
 pub use table::{csv, text};
 
@@ -136,20 +142,33 @@ impl Study {
 /// # Errors
 /// What the file system says.
 pub fn write_study(folder: &Path, study: &Study) -> Result<(), Fault> {
-    let told = |path: &Path, error: &dyn std::fmt::Display| {
-        Fault::error(path.display().to_string(), error.to_string())
-    };
-    std::fs::create_dir_all(folder).map_err(|error| told(folder, &error))?;
-    let json = serde_json::to_string_pretty(study).map_err(|error| told(folder, &error))? + "\n";
-    for (name, text) in [
-        ("study.csv", csv(study)),
-        ("study.json", json),
-        ("study.svg", svg(study)),
-    ] {
+    let json = json(folder, study)?;
+    write_all(
+        folder,
+        &[
+            ("study.csv", csv(study)),
+            ("study.json", json),
+            ("study.svg", svg(study)),
+        ],
+    )
+}
+
+fn json(folder: &Path, study: &impl Serialize) -> Result<String, Fault> {
+    let text = serde_json::to_string_pretty(study).map_err(|error| fault(folder, &error))?;
+    Ok(text + "\n")
+}
+
+fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), Fault> {
+    std::fs::create_dir_all(folder).map_err(|error| fault(folder, &error))?;
+    for (name, text) in files {
         let path = folder.join(name);
-        write_text_atomically(&path, text.as_bytes()).map_err(|error| told(&path, &error))?;
+        write_text_atomically(&path, text.as_bytes()).map_err(|error| fault(&path, &error))?;
     }
     Ok(())
+}
+
+fn fault(path: &Path, error: &dyn std::fmt::Display) -> Fault {
+    Fault::error(path.display().to_string(), error.to_string())
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ pub fn csv(study: &Study) -> String {
     out
 }
 
-fn status_name(status: Status) -> &'static str {
+pub(super) fn status_name(status: Status) -> &'static str {
     match status {
         Status::Converged => "converged",
         Status::IterationLimit => "iteration-limit",
@@ -104,7 +104,7 @@ fn line(out: &mut String, row: &Row) {
 }
 
 /// Three digits, in powers of ten where they begin late.
-fn short(value_mm: Option<f64>) -> String {
+pub(super) fn short(value_mm: Option<f64>) -> String {
     match value_mm {
         None => "-".to_owned(),
         Some(value) if value < 1e-3 && value > 0.0 => format!("{value:.0e}"),

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use chordae::default_insertion_radius_mm;
 pub use chordae::{ChordGroup, ChordLaw, LineMesh};
+pub(crate) use tissue::default_bending_modulus_mpa;
 pub use tissue::{SpringBranches, Tissue, Wrinkling};
 
 /// The scene layout that this version reads and writes.

@@ -148,13 +148,36 @@ fn default_bending_modulus_ratio() -> f64 {
 }
 
 /// As the springs have by default: 6 times 0.08 MPa.
-fn default_bending_modulus_mpa() -> f64 {
+pub(crate) fn default_bending_modulus_mpa() -> f64 {
     default_bending_modulus_ratio() * default_pre_transition_modulus_mpa()
 }
 
 /// Incompressible (paper 002).
 fn default_poisson_ratio() -> f64 {
     0.5
+}
+
+impl Tissue {
+    /// The law as scenes name it.
+    pub fn law_name(&self) -> &'static str {
+        match self {
+            Self::BilinearSprings { .. } => "bilinear-springs",
+            Self::AnisotropicSprings { .. } => "anisotropic-springs",
+            Self::StVenantKirchhoff { .. } => "st-venant-kirchhoff",
+            Self::Exponential { .. } => "exponential",
+            Self::MayNewman { .. } => "may-newman",
+        }
+    }
+
+    /// What happens under compression; nothing is said of springs, which have a modulus in compression.
+    pub fn wrinkling(&self) -> Option<Wrinkling> {
+        match *self {
+            Self::BilinearSprings { .. } | Self::AnisotropicSprings { .. } => None,
+            Self::StVenantKirchhoff { wrinkling, .. }
+            | Self::Exponential { wrinkling, .. }
+            | Self::MayNewman { wrinkling, .. } => Some(wrinkling),
+        }
+    }
 }
 
 impl Default for Tissue {

@@ -20,12 +20,19 @@ pub const STRESS_RATIOS: [[f64; 2]; 3] = [[1.0, 1.0], [1.0, 0.5], [0.5, 1.0]];
 /// P₁ = ∂w/∂λ₁ = 2 λ₁ ∂w/∂c₁₁, and σ₁ = λ₁ P₁ as volume stays. Each stress grows with the stretch in its own direction, so
 /// that halving intervals finds the one stretch within the other.
 pub fn curve_of_law(law: &Law, stress_ratio: [f64; 2], most_mpa: f64, count: usize) -> Vec<BiaxialPoint> {
-    let nominal = |stretch: [f64; 2]| {
-        let metric = Metric::new(stretch[0].powi(2), stretch[1].powi(2), 0.0);
-        let slope = law.response(&metric).slope_mpa;
-        [0, 1].map(|axis| 2.0 * stretch[axis] * slope[axis])
-    };
-    curve_of_response(nominal, stress_ratio, most_mpa, count)
+    curve_of_response(
+        |stretch| stress_of_law_mpa(law, stretch),
+        stress_ratio,
+        most_mpa,
+        count,
+    )
+}
+
+/// Nominal stresses of a membrane along and across its fibres [MPa] at stretches [1].
+pub(super) fn stress_of_law_mpa(law: &Law, stretch: [f64; 2]) -> [f64; 2] {
+    let metric = Metric::new(stretch[0].powi(2), stretch[1].powi(2), 0.0);
+    let slope = law.response(&metric).slope_mpa;
+    [0, 1].map(|axis| 2.0 * stretch[axis] * slope[axis])
 }
 
 /// The same for any law that gives nominal stresses [MPa] from stretches [1].

@@ -13,16 +13,26 @@ pub(super) fn two_moduli(
     knee: f64,
     compression_modulus_ratio: f64,
 ) -> ([f64; 2], f64) {
+    let branch = |strain: f64| parts(strain, knee, compression_modulus_ratio);
+    two_factors(points, |stretch| {
+        [
+            sum(stretch, |_, strain| branch(strain).0),
+            sum(stretch, |_, strain| branch(strain).1),
+        ]
+    })
+}
+
+/// The two factors [MPa], neither negative, of a sum of two nominal stresses [1] that follows the points best, and the sum of
+/// the squared errors, in squared MPa.
+pub(super) fn two_factors(
+    points: &[BiaxialPoint],
+    stresses: impl Fn([f64; 2]) -> [[f64; 2]; 2],
+) -> ([f64; 2], f64) {
     let (mut matrix, mut vector, mut square) = ([[0.0; 2]; 2], [0.0; 2], 0.0);
     for point in points {
-        let soft = sum(point.stretch, |_, strain| {
-            parts(strain, knee, compression_modulus_ratio).0
-        });
-        let stiff = sum(point.stretch, |_, strain| {
-            parts(strain, knee, compression_modulus_ratio).1
-        });
+        let [first, second] = stresses(point.stretch);
         for axis in 0..2 {
-            let (row, stress) = ([soft[axis], stiff[axis]], point.nominal_stress_mpa[axis]);
+            let (row, stress) = ([first[axis], second[axis]], point.nominal_stress_mpa[axis]);
             for i in 0..2 {
                 (0..2).for_each(|j| matrix[i][j] += row[i] * row[j]);
                 vector[i] += row[i] * stress;

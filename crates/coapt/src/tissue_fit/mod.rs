@@ -5,11 +5,14 @@
 //! together, and moduli must not simply be copied ([`lattice`]). Points within a working range of stress are followed in
 //! least squares of the nominal stress. For a given transition strain the stress of isotropic springs is linear in their two
 //! moduli, which are therefore exact; the transition strain is scanned and then bracketed. Springs with a direction have six
-//! constants, and Levenberg-Marquardt starts from several transition strains.
+//! constants, and Levenberg-Marquardt starts from several transition strains. [`membranes`] follow a curve likewise;
+//! [`each_law`] tells one tissue in all laws, so that laws can be compared.
 
 pub mod curve;
+pub mod each_law;
 pub mod lattice;
 mod least_squares;
+pub mod membranes;
 
 use serde::Serialize;
 
@@ -171,15 +174,23 @@ fn in_range(points: &[BiaxialPoint], range_mpa: [f64; 2]) -> Result<Vec<BiaxialP
 /// the points, of which there are about as many.
 const SCANNED: u32 = 60;
 
-/// The transition strain of least error, to 1e-10 of the longest strain: golden section about the best of a scan.
+/// The transition strain of least error.
 fn least_knee(points: &[BiaxialPoint], error: impl Fn(f64) -> f64) -> f64 {
-    let longest = points.iter().flat_map(|point| point.stretch).fold(1.0, f64::max) - 1.0;
-    let knee = |k: u32| longest * f64::from(k) / f64::from(SCANNED);
-    let scanned = (1..SCANNED).min_by(|&a, &b| error(knee(a)).total_cmp(&error(knee(b))));
+    least(longest_stretch(points) - 1.0, error)
+}
+
+fn longest_stretch(points: &[BiaxialPoint]) -> f64 {
+    points.iter().flat_map(|point| point.stretch).fold(1.0, f64::max)
+}
+
+/// Where between zero and an end an error is least, to 1e-10 of the end: golden section about the best of a scan.
+fn least(end: f64, error: impl Fn(f64) -> f64) -> f64 {
+    let place = |k: u32| end * f64::from(k) / f64::from(SCANNED);
+    let scanned = (1..SCANNED).min_by(|&a, &b| error(place(a)).total_cmp(&error(place(b))));
     let best = scanned.unwrap_or(1);
-    let (mut low, mut high) = (knee(best - 1), knee(best + 1));
+    let (mut low, mut high) = (place(best - 1), place(best + 1));
     let golden = 0.5 * (5_f64.sqrt() - 1.0);
-    while high - low > 1e-10 * longest {
+    while high - low > 1e-10 * end {
         let (left, right) = (high - golden * (high - low), low + golden * (high - low));
         if error(left) < error(right) {
             high = right
@@ -196,8 +207,30 @@ fn judged(
     working_range_mpa: [f64; 2],
     compression_modulus_ratio: f64,
 ) -> BilinearFit {
+    let misfit = misfit(points, |stretch| {
+        nominal_stress_mpa(&branches, compression_modulus_ratio, stretch)
+    });
+    BilinearFit {
+        circumferential: branches[0],
+        radial: branches[1],
+        rms_error_mpa: misfit.rms_error_mpa,
+        worst_error_mpa: misfit.worst_error_mpa,
+        rms_stress_mpa: misfit.rms_stress_mpa,
+        working_range_mpa,
+        points: points.len(),
+    }
+}
+
+/// How far nominal stresses are from those of a curve.
+struct Misfit {
+    rms_error_mpa: f64,
+    worst_error_mpa: f64,
+    rms_stress_mpa: f64,
+}
+
+fn misfit(points: &[BiaxialPoint], stress_mpa: impl Fn([f64; 2]) -> [f64; 2]) -> Misfit {
     let error = |point: &BiaxialPoint| {
-        let found = nominal_stress_mpa(&branches, compression_modulus_ratio, point.stretch);
+        let found = stress_mpa(point.stretch);
         [0, 1].map(|axis| found[axis] - point.nominal_stress_mpa[axis])
     };
     let errors: Vec<f64> = points.iter().flat_map(error).collect();
@@ -205,14 +238,10 @@ fn judged(
         let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
         (sum / count).sqrt()
     };
-    BilinearFit {
-        circumferential: branches[0],
-        radial: branches[1],
+    Misfit {
         rms_error_mpa: mean_square(&mut errors.iter().copied()),
         worst_error_mpa: errors.iter().fold(0.0, |worst, error| error.abs().max(worst)),
         rms_stress_mpa: mean_square(&mut points.iter().flat_map(|point| point.nominal_stress_mpa)),
-        working_range_mpa,
-        points: points.len(),
     }
 }
 

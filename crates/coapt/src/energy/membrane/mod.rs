@@ -227,4 +227,4 @@ pub(crate) fn bounded_exponential(exponent: f64) -> [f64; 3] {
 
 /// Tissue at work reaches exponents of 2 to 5. A solver on its way strays beyond, where e^Q makes walls that it cannot see
 /// over; at 8 the stresses are ten times those at work. At 5 the parabola would begin to be seen.
-const MOST_EXPONENT: f64 = 8.0;
+pub(crate) const MOST_EXPONENT: f64 = 8.0;
