@@ -44,7 +44,7 @@ const GIVING_WAY: f64 = 0.85;
 const RINGS: usize = 2;
 
 /// Above this mean error of stiffness [1] the mesh is told of. Parametric valves have 0.12 to 0.20, squares with diagonals all
-/// one way 0.67, with alternating ones 0.31, published valves of quadrilaterals 0.5 to 0.9. Lower, every valve would be
+/// one way 0.67, with alternating ones 0.31, published valves of quadrilaterals 0.4 to 0.8. Lower, every valve would be
 /// told of, and nobody would read it; higher, alternating diagonals would pass.
 pub const MOST_STIFFNESS_ERROR: f64 = 0.25;
 /// Above this mean softening [1] the mesh is told of: equilateral lattices moved by more than about 0.22 of an edge.
@@ -107,7 +107,8 @@ fn of_leaflet(net: &Net, leaflet: u32) -> Option<SpringQuality> {
         }
     }
     quality.stiffness_error /= whole;
-    quality.softening /= whole;
+    // Rounding alone is below zero.
+    quality.softening = (quality.softening / whole).max(0.0);
     (whole > 0.0).then_some(quality)
 }
 
