@@ -13,12 +13,12 @@ from tables import InputFault, card_numbers, material_card, read_cards
 # principal stress in the published end-systolic frame (mean 0.059).
 TEXAS_CAUCHY_MAX_MPA = 0.152
 
-# Our choice, of the order of the leaflets' modulus where they are unloaded, 3 C0 = 0.003 MPa. Abaqus' shells have it
-# by integration through the thickness.
+# Our choice, of the order of the leaflets' modulus where they are unloaded, 3 C0 = 0.003 MPa. Abaqus' shells
+# have it by integration through the thickness.
 TEXAS_BENDING_MODULUS_MPA = 0.01
 
-# Our choice: in the published closed frame 99 % of the chords stretch by less than 0.8 %; the table ends well beyond,
-# and goes on along its last piece.
+# Our choice: in the published closed frame 99 % of the chords stretch by less than 0.8 %; the table ends well
+# beyond, and goes on along its last piece.
 TEXAS_CHORD_STRAIN_MAX = 0.02
 TEXAS_CHORD_STRAIN_STEP = 0.0005
 
@@ -46,9 +46,10 @@ def texas_case(
             leaflet.tissue = texas_membrane(cards_path, cards, material, compressible)
     for name, group in chords.items():
         group.law, group.comment = texas_chord_law(cards_path, cards, f"{name}_Chordae")
-        # The tables give chordae and leaflets nodes in common; the fans are meshed.
+        # Chordae and leaflets have nodes in common; how chordae fan out is meshed.
         group.insertion_radius_mm = 0.0
-    # Shells touch at their thickness; 0.5 is the input's linear overclosure [MPa/mm], and the scale of coapt's own law.
+    # Shells touch at their thickness. 0.5 is the slope of the input's overclosure [MPa/mm]; here it is the scale
+    # of coapt's own law [MPa].
     contact = {
         "thickness_mm": min(leaflet.thickness_mm for leaflet in leaflets.values()),
         "stiffness_mpa": 0.5,
