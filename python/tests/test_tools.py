@@ -97,7 +97,8 @@ def test_scene_says_what_the_tables_say(tmp_path):
 
 def test_the_library_knows_every_key_that_is_written(tmp_path):
     """The scene's types refuse unknown keys, so each key must be a field there."""
-    source = (ROOT / "crates" / "coapt" / "src" / "scene.rs").read_text(encoding="utf-8")
+    files = sorted((ROOT / "crates" / "coapt" / "src" / "scene").glob("*.rs"))
+    source = "".join(file.read_text(encoding="utf-8") for file in files)
     arguments = [*write_tables(tmp_path), "--tissue", "0.1", "0.2", "3"]
     assert main(["tables", str(tmp_path / "out"), *arguments]) == 0
 
@@ -340,6 +341,15 @@ def test_ogden_modulus_is_the_slope_at_no_strain():
 # ---------------------------------------------------------------- the two known layouts
 
 
+LAW = """a 4643.4
+b 49.9643
+full_recruitment 0.145
+eta 325000000
+y0 -40625000
+p_closed_dyn_cm2 -133322.368
+"""
+
+
 def kaiser_tables(folder: Path) -> None:
     """A cone in the generator's layout: ring 0-3, margin 4-5, chord node 6, tip 7."""
     rows = ["id,kind,leaflet,j,k,fixed,xc_mm,yc_mm,zc_mm,xo_mm,yo_mm,zo_mm"]
@@ -354,7 +364,7 @@ def kaiser_tables(folder: Path) -> None:
     (folder / "quads.csv").write_text("a,b,c,d\n0,1,4,4\n1,2,5,4\n2,3,5,5\n3,0,4,5\n")
     springs = "i,j,kind,rest_mm,k_dyn\n0,1,circ,9,0.005\n4,6,chord_leaf,6.5,0.0037\n6,7,chord,8.5,0.0062\n"
     (folder / "springs.csv").write_text(springs)
-    (folder / "law.txt").write_text("T = words\neta 325000000\ny0 -40625000\np_closed_dyn_cm2 -133322.368\n")
+    (folder / "law.txt").write_text("T = words\n" + LAW)
 
 
 def test_kaiser_layout(tmp_path):
@@ -378,26 +388,41 @@ def test_kaiser_layout(tmp_path):
     assert offsets == {"anterior": [3, 7], "posterior": [3, 7]}
 
 
-def rod_tension_n(length_mm: float, rest_mm: float, area_mm2: float, modulus_mpa: float) -> float:
-    """What coapt's chord carries."""
-    return max(0.0, modulus_mpa * area_mm2 * (length_mm / rest_mm - 1.0))
+def collagen_tension_n(law: dict, strain: float, area_mm2: float) -> float:
+    """What coapt's chord of the `collagen` law carries."""
+    curved = law["scale_mpa"] * math.expm1(law["exponent"] * min(strain, law["full_recruitment_strain"]))
+    beyond = max(strain - law["full_recruitment_strain"], 0.0)
+    return area_mm2 * (curved + law["modulus_mpa"] * beyond)
 
 
-def test_kaiser_rods_carry_the_generators_tension(tmp_path):
+def test_kaiser_chords_carry_the_generators_tension(tmp_path):
     kaiser_tables(tmp_path / "cone")
     assert main(["kaiser", str(tmp_path / "cone"), str(tmp_path / "out")]) == 0
+    law = read_toml(tmp_path / "out" / "scene.toml")["chordae"][0]["law"]
+    assert law.pop("kind") == "collagen"
     chords = tmp_path / "out" / "chords_anterior.vtp"
     rests, areas = (vtp_numbers(chords, "CellData", name) for name in ("rest_length_mm", "area_mm2"))
-    for (rest, k), rod_rest, area in zip([(6.5, 0.0037), (8.5, 0.0062)], rests, areas):
+    assert rests == [6.5, 8.5]
+    for k, area in zip([0.0037, 0.0062], areas):
+        for strain in (0.02, 0.1, 0.144):
+            dyn = k * 4643.4 * (math.exp(49.9643 * strain) - 1)
+            assert collagen_tension_n(law, strain, area) == pytest.approx(dyn * 1e-5, rel=1e-12)
+        # The generator's line begins 1.2e-6 above its curve.
         for strain in (0.145, 0.16, 0.2):
             dyn = k * (325000000 * strain - 40625000)
-            tension = rod_tension_n(rest * (1 + strain), rod_rest, area, 30.0)
-            assert tension == pytest.approx(dyn * 1e-5, rel=1e-12)
+            assert collagen_tension_n(law, strain, area) == pytest.approx(dyn * 1e-5, rel=1.3e-6)
+
+
+def test_a_kaiser_law_with_a_jump_is_refused(tmp_path, capsys):
+    kaiser_tables(tmp_path / "cone")
+    (tmp_path / "cone" / "law.txt").write_text(LAW.replace("y0 -40625000", "y0 -30625000"))
+    assert main(["kaiser", str(tmp_path / "cone"), str(tmp_path / "out")]) == 2
+    assert "the branches give 6.49999e+06 and 1.65e+07 at full recruitment" in capsys.readouterr().err
 
 
 @needs_shared
 def test_texas_tables():
-    case = texas_case(SHARED / "data" / "texas_trivalve_healthy", "equibiaxial")
+    case = texas_case(SHARED / "data" / "texas_trivalve_healthy")
     counts = {name: len(leaflet.faces) for name, leaflet in case.leaflets.items()}
     assert counts == {"anterior": 5041, "septal": 1809, "posterior": 1433}
     assert sum(len(group.segments) for group in case.chords.values()) == 4166
@@ -405,13 +430,58 @@ def test_texas_tables():
     assert sum(point.tip for point in case.points.values()) == 32
     assert case.pressure == ("pressure_kpa", 3.06)
     assert {leaflet.thickness_mm for leaflet in case.leaflets.values()} == {0.65}
-    # 3 (18.884147787615671 + 22.682992286286954 + 19.502933935159177), from the material card.
-    assert case.chords["anterior"].modulus_mpa == pytest.approx(183.2102220271854, rel=1e-14)
+    assert case.contact == {"thickness_mm": 0.65, "stiffness_mpa": 0.5}
+    assert {group.insertion_radius_mm for group in case.chords.values()} == {0.0}
+    # The material cards' numbers.
+    assert case.leaflets["septal"].tissue.law == "exponential"
+    values = {"c0_mpa": 0.001, "c1_mpa": 0.000191, "c2": 17.75149}
+    assert case.leaflets["septal"].tissue.values == {**values, "bending_modulus_mpa": 0.01}
     # The prescribed motion is the difference of the two frames, which are rounded to 1e-5 mm.
     for point in case.points.values():
         if point.annulus:
             moved = [a + d for a, d in zip(point.position_mm, point.displacement_mm)]
             assert moved == pytest.approx(list(point.closed_mm), abs=2e-5)
+
+
+@needs_shared
+def test_texas_chords_follow_their_ogden_law():
+    """Against W of the card itself, by differences: the table is within 1 % of the law between its points."""
+    mu = (18.884147787615671, 22.682992286286954, 19.502933935159177)
+    alpha = (98.253655062498183, 98.251894443391549, 98.253228660027887)
+
+    def energy(stretch):
+        parts = zip(mu, alpha)
+        return sum(2 * m / a**2 * (stretch**a + 2 * stretch ** (-a / 2) - 3) for m, a in parts)
+
+    law = texas_case(SHARED / "data" / "texas_trivalve_healthy").chords["anterior"].law
+    assert law["kind"] == "table" and law["strain"][-1] == 0.02
+    for group in texas_case(SHARED / "data" / "texas_trivalve_healthy").chords.values():
+        assert group.law["strain"] == sorted(group.law["strain"]) and group.law["strain"][0] == 0.0
+        assert group.law["stress_mpa"] == sorted(group.law["stress_mpa"]) and group.law["stress_mpa"][0] == 0.0
+    for index in range(1, len(law["strain"]) - 1):
+        step = 1e-6
+        low, high = law["strain"][index : index + 2]
+        for strain, tolerance in ((low, 1e-6), (0.5 * (low + high), 0.01)):
+            slope = (energy(1 + strain + step) - energy(1 + strain - step)) / (2 * step)
+            share = (strain - low) / (high - low)
+            stress = (1 - share) * law["stress_mpa"][index] + share * law["stress_mpa"][index + 1]
+            assert stress == pytest.approx(slope, rel=tolerance)
+
+
+@needs_shared
+def test_texas_leaflets_as_springs_or_compressible(tmp_path):
+    tables = str(SHARED / "data" / "texas_trivalve_healthy")
+    assert main(["texas", tables, str(tmp_path / "springs"), "--springs", "uniaxial"]) == 0
+    assert main(["texas", tables, str(tmp_path / "soft"), "--compressible"]) == 0
+    springs, soft = (read_toml(tmp_path / name / "scene.toml") for name in ("springs", "soft"))
+    assert {leaflet["tissue"]["law"] for leaflet in springs["leaflets"]} == {"bilinear-springs"}
+    tissues = [leaflet["tissue"] for leaflet in soft["leaflets"]]
+    assert {tissue["compressibility_per_mpa"] for tissue in tissues} == {20.06689}
+    assert soft["contact"] == {"thickness_mm": 0.65, "stiffness_mpa": 0.5}
+    assert {group["law"]["kind"] for group in soft["chordae"]} == {"table"}
+    assert {group["insertion_radius_mm"] for group in soft["chordae"]} == {0.0}
+    with pytest.raises(SystemExit):
+        main(["texas", tables, str(tmp_path / "both"), "--springs", "uniaxial", "--compressible"])
 
 
 @needs_shared
@@ -436,4 +506,4 @@ def test_a_missing_material_card_is_named(tmp_path):
         "*Material, name=other\n*Density\n1e-9\n"
     )
     with pytest.raises(InputFault, match="no \\*shell section card with material VUANISO_ISO_front_Leaflet"):
-        texas_case(tmp_path, "equibiaxial")
+        texas_case(tmp_path)

@@ -6,13 +6,12 @@ import math
 from pathlib import Path
 
 from case_tables import Columns, face_ids, node_ids, read_points, tidy
-from scene_files import Case, ChordGroup, Leaflet, Point, Tissue
+from scene_files import Case, ChordGroup, Leaflet, Point, bilinear_springs
 from tables import InputFault, read_lines, read_table
 
-# Our choice: modulus by which Kaiser's chord stiffnesses are divided to state an area.
-KAISER_CHORD_MODULUS_MPA = 30.0
-DYN_N = 1e-5
 DYN_PER_CM2_KPA = 1e-4
+DYN_PER_CM2_MPA = 1e-7
+CM2_MM2 = 100.0
 
 
 def kaiser_case(folder: Path) -> Case:
@@ -59,17 +58,23 @@ def kaiser_law(path: Path) -> dict[str, float]:
                 law[words[0]] = float(words[1])
             except ValueError:
                 continue
-    for name in ("eta", "y0", "p_closed_dyn_cm2"):
+    for name in ("a", "b", "full_recruitment", "eta", "y0", "p_closed_dyn_cm2"):
         if not math.isfinite(law.get(name, math.nan)):
             raise InputFault(f"{path}: no line '{name} <number>'")
-    if law["eta"] <= 0.0 or law["y0"] > 0.0:
-        raise InputFault(f"{path}: eta {law['eta']!r} must be above 0 and y0 {law['y0']!r} not above 0")
+    for name in ("a", "b", "full_recruitment", "eta"):
+        if law[name] <= 0.0:
+            raise InputFault(f"{path}: {name} {law[name]!r} must be above 0")
+    recruited = law["full_recruitment"]
+    curve, line = law["a"] * math.expm1(law["b"] * recruited), law["eta"] * recruited + law["y0"]
+    # The published numbers meet to 1e-6; coapt's line starts where the curve ends, wherever `y0` puts it.
+    if not abs(line - curve) <= 1e-3 * curve:
+        raise InputFault(f"{path}: the branches give {curve:g} and {line:g} at full recruitment; expected one value")
     return law
 
 
 def kaiser_leaflets(path: Path, points: dict[str, Point], names: dict[str, str]) -> dict[str, Leaflet]:
     """Faces go to the leaflet of most of their nodes; at a tie, as in the commissures, of the first."""
-    tissue = Tissue(
+    tissue = bilinear_springs(
         0.3,
         0.05,
         8.0,
@@ -91,13 +96,19 @@ def kaiser_leaflets(path: Path, points: dict[str, Point], names: dict[str, str])
 
 
 def kaiser_chords(path: Path, points: dict, names: dict[str, str], law: dict) -> dict[str, ChordGroup]:
-    """Chord springs as rods, in groups by the leaflet that their tree inserts in.
+    """Chord springs under the generator's own law, in groups by the leaflet that their tree inserts in.
 
-    The generator's tension is T = k (eta E + y0), E = length / rest - 1, above E = 0.145, which all springs
-    pass when closed. That line reaches zero at E0 = -y0 / eta = 0.125, so the rod that lies on it has the
-    rest length rest (1 + E0) and the stiffness EA = k eta (1 + E0). The soft toe below is left out.
+    The generator's tension at E = length / rest - 1 is k a (exp(b E) - 1) up to the strain of full recruitment
+    and k (eta E + y0) from there on, zero where slack: a stress law over the cross-section k, in cm2. Where
+    the branches meet they differ by 1e-6 of their value; coapt's line starts where its curve ends.
     """
-    onset = -law["y0"] / law["eta"]
+    collagen = {
+        "kind": "collagen",
+        "scale_mpa": tidy(law["a"] * DYN_PER_CM2_MPA),
+        "exponent": law["b"],
+        "full_recruitment_strain": law["full_recruitment"],
+        "modulus_mpa": tidy(law["eta"] * DYN_PER_CM2_MPA),
+    }
     rows = read_table(path, ["i", "j", "kind", "rest_mm", "k_dyn"])
     rows = [row for row in rows if row.text("kind") in ("chord", "chord_leaf")]
     segments, leaflet_of = [], {}
@@ -105,15 +116,11 @@ def kaiser_chords(path: Path, points: dict, names: dict[str, str], law: dict) ->
         a, b = node_ids(row, ("i", "j"), points)
         if row.text("kind") == "chord_leaf":
             leaflet_of.setdefault(names[b], names[a])
-        stiffness_n = row.positive("k_dyn") * law["eta"] * (1.0 + onset) * DYN_N
-        rest_mm = row.positive("rest_mm") * (1.0 + onset)
-        segments.append((names[b], (a, b, rest_mm, stiffness_n / KAISER_CHORD_MODULUS_MPA)))
-    comment = [
-        f"Rods on the linear branch of the generator's law: rest lengths are {1.0 + onset:g} times the",
-        f"table's, areas are the stiffness EA over {KAISER_CHORD_MODULUS_MPA:g} MPa and not anatomical.",
-    ]
+        area_mm2 = tidy(row.positive("k_dyn") * CM2_MM2)
+        segments.append((names[b], (a, b, row.positive("rest_mm"), area_mm2)))
+    comment = ["The generator's law, rest lengths and cross-sections."]
     groups: dict[str, ChordGroup] = {}
     for tree, segment in segments:
         name = leaflet_of.get(tree, tree)
-        groups.setdefault(name, ChordGroup([], KAISER_CHORD_MODULUS_MPA, comment)).segments.append(segment)
+        groups.setdefault(name, ChordGroup([], comment=comment, law=collagen)).segments.append(segment)
     return groups

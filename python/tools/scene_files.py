@@ -29,12 +29,23 @@ class Point:
 
 @dataclass
 class Tissue:
-    """The scene's `bilinear-springs` law, with words on where the numbers come from."""
+    """A tissue law of the scene by its name, its constants by their keys, and where they come from."""
 
-    pre_transition_modulus_mpa: float
-    transition_strain: float
-    post_transition_modulus_mpa: float
+    law: str
+    values: dict[str, float]
     comment: list[str] = field(default_factory=list)
+
+
+def bilinear_springs(
+    pre_mpa: float, knee: float, post_mpa: float, comment: list[str] | None = None
+) -> Tissue:
+    """The scene's `bilinear-springs`: modulus, transition strain, modulus beyond."""
+    values = {
+        "pre_transition_modulus_mpa": pre_mpa,
+        "transition_strain": knee,
+        "post_transition_modulus_mpa": post_mpa,
+    }
+    return Tissue("bilinear-springs", values, comment or [])
 
 
 @dataclass
@@ -48,16 +59,24 @@ class Leaflet:
 
 @dataclass
 class ChordGroup:
-    """Segments as (node id, node id, rest length [mm], area [mm2]), and the modulus."""
+    """Segments as (node id, node id, rest length [mm], area [mm2]), and what they are made of.
+
+    `law` is a chord law of the scene, its kind and constants by their keys; without it rods of `modulus_mpa`.
+    """
 
     segments: list[tuple[str, str, float, float]]
     modulus_mpa: float = 30.0
     comment: list[str] = field(default_factory=list)
+    law: dict[str, str | float | list[float]] | None = None
+    insertion_radius_mm: float | None = None
 
 
 @dataclass
 class Case:
-    """Everything that a scene folder says. `pressure` is a key of the scene's `[load]` with its value."""
+    """Everything that a scene folder says.
+
+    `pressure` is a key of the scene's `[load]` with its value, `contact` holds the keys of `[contact]`.
+    """
 
     name: str
     points: dict[str, Point]
@@ -67,6 +86,7 @@ class Case:
     space: str = "LPS"
     muscle_distance_mm: float = 5.0
     comment: list[str] = field(default_factory=list)
+    contact: dict[str, float] = field(default_factory=dict)
 
 
 def write_scene(case: Case, folder: Path, force: bool = False) -> list[Path]:
@@ -188,6 +208,18 @@ def toml_vectors(vectors: list[Vector]) -> str:
     return "[\n" + "".join(f"  [{', '.join(map(repr, vector))}],\n" for vector in vectors) + "]"
 
 
+def toml_value(value: str | float | list[float]) -> str:
+    """A word, a number or a list of numbers in TOML."""
+    if isinstance(value, str):
+        return toml_string(value)
+    return f"[{', '.join(map(repr, value))}]" if isinstance(value, list) else repr(value)
+
+
+def toml_lines(values: dict) -> list[str]:
+    """Keys with their values."""
+    return [f"{key} = {toml_value(value)}" for key, value in values.items()]
+
+
 def comment_lines(lines: list[str]) -> list[str]:
     """Words as TOML comments."""
     return [f"# {line}".rstrip() for text in lines for line in text.splitlines()]
@@ -199,6 +231,8 @@ def scene_toml(case: Case) -> str:
     lines += [f"name = {toml_string(case.name)}", f"space = {toml_string(case.space)}", ""]
     lines += ["[annulus]", 'marker_array = "annulus"', 'displacement_array = "annulus_displacement_mm"', ""]
     lines += ["[load]", f"{case.pressure[0]} = {case.pressure[1]!r}", ""]
+    if case.contact:
+        lines += ["[contact]", *toml_lines(case.contact), ""]
     lines += comment_lines(["The tables number shared nodes once, so ends that meet coincide exactly."])
     lines += ["[weld]", "tolerance_mm = 1e-6", "insertion_tolerance_mm = 1e-6", ""]
     for name, leaflet in case.leaflets.items():
@@ -206,10 +240,8 @@ def scene_toml(case: Case) -> str:
         lines += [f"mesh_file = {toml_string(leaflet_file(name))}"]
         lines += [f"thickness_mm = {leaflet.thickness_mm!r}", ""]
         if leaflet.tissue:
-            lines += comment_lines(leaflet.tissue.comment) + ["[leaflets.tissue]", 'law = "bilinear-springs"']
-            for key in ("pre_transition_modulus_mpa", "transition_strain", "post_transition_modulus_mpa"):
-                lines += [f"{key} = {getattr(leaflet.tissue, key)!r}"]
-            lines += [""]
+            lines += comment_lines(leaflet.tissue.comment) + ["[leaflets.tissue]"]
+            lines += toml_lines({"law": leaflet.tissue.law, **leaflet.tissue.values}) + [""]
     for number, group in enumerate(muscles(case), start=1):
         lines += ["[[papillary]]", f'name = "papillary_{number}"']
         lines += [f"tips_mm = {toml_vectors([tip.position_mm for tip in group])}"]
@@ -218,8 +250,17 @@ def scene_toml(case: Case) -> str:
         lines += [""]
     for name, chords in case.chords.items():
         lines += comment_lines(chords.comment) + ["[[chordae]]", f"name = {toml_string(name)}"]
-        lines += [f"mesh_file = {toml_string(chord_file(name))}", f"modulus_mpa = {chords.modulus_mpa!r}", ""]
+        lines += [f"mesh_file = {toml_string(chord_file(name))}"] + chord_lines(chords) + [""]
     return "\n".join(lines)
+
+
+def chord_lines(chords: ChordGroup) -> list[str]:
+    """What the chordae of a group are made of and how they insert."""
+    values = {} if chords.law else {"modulus_mpa": chords.modulus_mpa}
+    if chords.insertion_radius_mm is not None:
+        values["insertion_radius_mm"] = chords.insertion_radius_mm
+    law = ["[chordae.law]", *toml_lines(chords.law)] if chords.law else []
+    return toml_lines(values) + law
 
 
 # ---------------------------------------------------------------- VTK files

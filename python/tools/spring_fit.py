@@ -1,4 +1,7 @@
-"""From published laws to the numbers of a scene: bilinear leaflet springs and linear chordae.
+"""From published laws to the numbers of a scene: bilinear leaflet springs and tabulated chordae.
+
+For one law, in one state of stretch, without a compiler. The general fit, of spring and membrane laws to
+curves of any state, is the library's `tissue_fit` (`coapt fit-tissue`).
 
 **Leaflet.** The continuum is isotropic and incompressible,
 W = C0/2 (I1 - 3) + C1/2 (exp(C2 (I1 - 3)^2) - 1). With W1 = dW/dI1 its nominal stress at stretch s is
@@ -15,8 +18,9 @@ The fit makes the *strain* right at a given tension, because the strain at the w
 closed shape. Samples are evenly spaced in Cauchy stress up to the largest working stress.
 
 **Chordae.** Abaqus' Ogden form W = sum 2 mu_i / alpha_i^2 (s1^alpha_i + s2^alpha_i + s3^alpha_i - 3) has the
-initial shear modulus sum mu_i, so an incompressible rod starts with Young's modulus E = 3 sum mu_i, and its
-nominal stress is P = sum 2 mu_i / alpha_i (s^(alpha_i - 1) - s^(-alpha_i / 2 - 1)).
+initial shear modulus sum mu_i, so an incompressible rod starts with Young's modulus E = 3 sum mu_i. Pulled
+to s1 = s, s2 = s3 = s^(-1/2), its nominal stress dW/ds is
+P = sum 2 mu_i / alpha_i (s^(alpha_i - 1) - s^(-alpha_i / 2 - 1)).
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from case_tables import Columns, read_chords, read_leaflets, read_points
 from kaiser_mitral import kaiser_case
-from scene_files import Case, Tissue, write_scene
+from scene_files import Case, bilinear_springs, write_scene
 from tables import InputFault
 from texas_trivalve import texas_case
 
@@ -41,7 +41,7 @@ def tables_case(options: argparse.Namespace) -> Case:
     chords = read_chords(options.chords, columns, points) if options.chords else {}
     for leaflet in leaflets.values():
         leaflet.thickness_mm = options.thickness_mm
-        leaflet.tissue = Tissue(*options.tissue) if options.tissue else None
+        leaflet.tissue = bilinear_springs(*options.tissue) if options.tissue else None
     for group in chords.values():
         group.modulus_mpa = options.chord_modulus_mpa
     unit = "pressure_mmhg" if options.pressure_mmhg is not None else "pressure_kpa"
@@ -111,11 +111,16 @@ def parser() -> argparse.ArgumentParser:
         sub.add_argument("out", type=Path, help="scene folder to write")
         if form == "texas":
             sub.add_argument("--case", default="healthy", help="prefix of the file names")
-            sub.add_argument(
-                "--fit-state",
+            law = sub.add_mutually_exclusive_group()
+            law.add_argument(
+                "--springs",
                 choices=("equibiaxial", "uniaxial"),
-                default="equibiaxial",
-                help="stretch in which the leaflet springs follow the published law",
+                help="leaflets as springs that follow the published law in this stretch, not as membranes",
+            )
+            law.add_argument(
+                "--compressible",
+                action="store_true",
+                help="leaflets with the D of the input as it stands; left out: incompressible",
             )
     tables_options(forms.add_parser("tables", help="any tables, columns named here", allow_abbrev=False))
     for sub in forms.choices.values():
@@ -133,13 +138,12 @@ def report(case: Case, files: list[Path]) -> str:
         tissue = leaflet.tissue
         lines.append(f"leaflet {name}: {len(leaflet.faces)} faces, thickness {leaflet.thickness_mm:g} mm")
         if tissue:
-            lines.append(
-                f"  springs {tissue.pre_transition_modulus_mpa:g} MPa "
-                f"to strain {tissue.transition_strain:g}, then {tissue.post_transition_modulus_mpa:g} MPa"
-            )
+            constants = ", ".join(f"{key} {value:g}" for key, value in tissue.values.items())
+            lines.append(f"  {tissue.law}: {constants}")
             lines += [f"  {line}" for line in tissue.comment]
     for name, group in case.chords.items():
-        lines.append(f"chords {name}: {len(group.segments)} segments, modulus {group.modulus_mpa:g} MPa")
+        law = f"law {group.law['kind']}" if group.law else f"modulus {group.modulus_mpa:g} MPa"
+        lines.append(f"chords {name}: {len(group.segments)} segments, {law}")
     return "\n".join(lines)
 
 
@@ -148,7 +152,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     try:
         if options.form == "texas":
-            case = texas_case(options.folder, options.fit_state, options.case)
+            case = texas_case(options.folder, options.case, options.springs, options.compressible)
         elif options.form == "kaiser":
             case = kaiser_case(options.folder)
         else:

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use coapt::contact::crossing::{Crossing, crossings};
 use coapt::contact::surface::Surface;
-use coapt::model::Model;
+use coapt::model::mesh_quality::SpringQuality;
+use coapt::model::{Model, mesh_quality};
 use coapt::scene::{Fault, Severity};
 use serde_json::json;
 
@@ -42,11 +43,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
             model.name.clone(),
         )
     });
+    let springs = model.as_ref().map(springs).unwrap_or_default();
     print(&match arguments.format {
         Format::Text => {
             let mut text: String = faults.iter().map(|fault| fault_line(fault) + "\n").collect();
             if let Some((vertices, faces, chords, name)) = size {
                 text += &format!("{name}: {faces} triangles, {vertices} vertices, {chords} chord segments\n");
+            }
+            for (leaflet, quality) in &springs {
+                text += &format!(
+                    "{leaflet}: springs are {:.1} % too soft for their mesh, {:.0} % off in the strain they render worst\n",
+                    100.0 * quality.softening,
+                    100.0 * quality.stiffness_error
+                );
             }
             let judged = if errors == 0 {
                 "ready to be closed"
@@ -69,6 +78,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
             let whole = json!({
                 "schema": "coapt-check/1", "scene": arguments.scene.display().to_string(),
                 "errors": errors, "warnings": warnings, "mesh": mesh, "faults": list,
+                "springs": springs.iter().map(|(leaflet, quality)| json!({
+                    "leaflet": leaflet, "softening": quality.softening, "stiffness_error": quality.stiffness_error,
+                    "worst_error": quality.worst_error, "worst_vertex": quality.worst_vertex,
+                })).collect::<Vec<_>>(),
             });
             format!("{whole:#}\n")
         }
@@ -91,6 +104,12 @@ fn entry(fault: &Fault) -> serde_json::Value {
         Severity::Warning => "warning",
     };
     json!({"severity": severity, "place": fault.place, "message": fault.message})
+}
+
+/// How well the mesh of each leaflet made of springs renders the sheet that they stand for, by its name.
+fn springs(model: &Model) -> Vec<(String, SpringQuality)> {
+    let named = |quality: SpringQuality| (model.leaflets[quality.leaflet as usize].name.clone(), quality);
+    mesh_quality::of_model(model).into_iter().map(named).collect()
 }
 
 /// Faces that cross in the open valve: nobody can tell which side of which they belong to.

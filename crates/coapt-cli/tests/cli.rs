@@ -256,6 +256,42 @@ fn a_tangled_start_is_told() {
     );
 }
 
+/// Every third inner point of the posterior leaflet half an edge lower: nothing for springs. `check` says how far they are off, of the
+/// good mesh too, and warns of the bad one.
+#[test]
+fn an_irregular_mesh_of_springs_is_told_of() {
+    let folder = Folder::new("irregular");
+    let valve = folder.valve(&[]);
+    let json = |path: &str| -> Value {
+        serde_json::from_str(&stdout(&coapt(&["check", path, "--format", "json"]))).unwrap()
+    };
+    let error = |found: &Value| found["springs"][1]["stiffness_error"].as_f64().unwrap();
+    let good = json(&valve);
+    assert_eq!(
+        (&good["warnings"], good["springs"].as_array().unwrap().len()),
+        (&0.into(), 2)
+    );
+    assert!(error(&good) < 0.25);
+    let [anterior, posterior] =
+        ["anterior", "posterior"].map(|name| Path::new(&valve).join(format!("leaflet_{name}.vtp")));
+    let (mut mesh, _) = coapt_io::mesh::read_mesh(&posterior).unwrap();
+    let (other, _) = coapt_io::mesh::read_mesh(&anterior).unwrap();
+    let is_inner = |point: &[f64; 3]| point[2] < -1.0 && !other.points.contains(point);
+    for point in mesh.points.iter_mut().step_by(3).filter(|point| is_inner(point)) {
+        point[2] -= 1.5;
+    }
+    coapt_io::mesh::write_vtp(&posterior, &mesh).unwrap();
+    let bad = json(&valve);
+    assert!(
+        bad["warnings"].as_u64() > Some(0) && error(&bad) > 0.25,
+        "{bad:#}"
+    );
+    let text = stdout(&coapt(&["check", &valve]));
+    assert!(text.contains("leaflets[1].mesh point"), "{text}");
+    assert!(text.contains("the mesh is too irregular for springs"), "{text}");
+    assert!(text.contains("posterior: springs are"), "{text}");
+}
+
 #[test]
 fn a_folder_that_cannot_be_written_is_status_1() {
     let folder = Folder::new("unwritable");

@@ -5,10 +5,11 @@
 
 use coapt::Vec3;
 use coapt::energy::bilinear_spring;
+use coapt::model::mesh_quality::{self, MOST_SOFTENING, MOST_STIFFNESS_ERROR, SpringQuality};
 use coapt_tests::Random;
 use nalgebra::{DMatrix, DVector};
 
-use super::shapes::{Mesh, SpringTissue, hold, lattice, sprung};
+use super::shapes::{Mesh, SpringTissue, bare, hold, lattice, sprung};
 use super::{oracle, order, report, settled};
 
 /// Displacements (u, v) of all vertices of a sheet of springs in the plane, those on the rim given, and the energy stored
@@ -196,4 +197,50 @@ fn springs_soften_as_their_lattice_is_disturbed() {
             assert!(mean >= softest && mean <= stiffest, "{name} {jitter_mm}: {mean}");
         }
     }
+}
+
+/// What the shape of the triangles says of springs on a mesh.
+fn quality(mesh: &Mesh) -> SpringQuality {
+    mesh_quality::of_model(&bare(mesh, 0.0))[0]
+}
+
+/// How much softer than the isotropic sheet a mesh is, mean of three strains of equal energy that stand on each other.
+fn softening(mesh: &Mesh) -> f64 {
+    let strains = [[1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
+    let ratio = |[x, y, xy]: [f64; 3]| {
+        let way = |at: Vec3| Vec3::new(x * at.x + xy * at.y, xy * at.x + y * at.y, 0.0) * 1e-3;
+        let (_, stored) = solved(mesh, SpringTissue::linear(1.0), way);
+        stored / (1e-6 * mesh.area_mm2(&mesh.points_mm) * energy_density(1.0, 1.0 / 3.0, [x, y, xy]))
+    };
+    1.0 - strains.map(ratio).iter().sum::<f64>() / 3.0
+}
+
+/// What the mesh alone foretells is what the whole lattice does: a quarter of it is between them, the border having none to give
+/// way (a fifth of the vertices) and neighbours giving way together. `coapt check` tells of a lattice moved by 0.3 edges
+/// and of the patch, and of none moved by 0.1.
+#[test]
+fn the_shape_of_triangles_foretells_how_soft_springs_are() {
+    for (jitter_mm, is_told) in [(0.0, false), (0.1, false), (0.2, false), (0.3, true)] {
+        let mesh = lattice(12, jitter_mm, &mut Random(1));
+        let (found, foretold) = (softening(&mesh), quality(&mesh));
+        report(&format!(
+            "lattice moved by {jitter_mm} edges: {:.2} % too soft, foretold {:.2} %; in the worst strain {:.0} % off",
+            100.0 * found,
+            100.0 * foretold.softening,
+            100.0 * foretold.stiffness_error
+        ));
+        assert!((found - foretold.softening).abs() < 0.25 * found + 1e-12);
+        assert_eq!(tells(&foretold), is_told);
+    }
+    for diagonal in [0, 1] {
+        let foretold = quality(&macneal_harder(diagonal));
+        report(&format!(
+            "MacNeal-Harder, diagonal {diagonal}: foretold {foretold:?}"
+        ));
+        assert!(tells(&foretold));
+    }
+}
+
+fn tells(quality: &SpringQuality) -> bool {
+    quality.softening > MOST_SOFTENING || quality.stiffness_error > MOST_STIFFNESS_ERROR
 }

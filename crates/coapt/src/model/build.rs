@@ -6,7 +6,7 @@ use super::elasticity::{Elasticity, Sheet, elasticity};
 use super::faults::Faults;
 use super::surface::{self, Surface};
 use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
-use super::{annulus_checks, cleaning, facing, validate};
+use super::{annulus_checks, cleaning, facing, mesh_quality, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
 use crate::mesh::polyline;
@@ -124,6 +124,7 @@ fn assemble(
         annulus: &found.annulus.vertices,
         leaflets: &leaflets,
     };
+    mesh_quality::tell(&sheet, edges, surface, faults);
     let Elasticity {
         springs,
         membranes,
@@ -236,7 +237,9 @@ mod tests {
     #[test]
     fn a_good_valve_builds_without_a_word() {
         let Built { model, warnings } = built(&skirt());
-        assert!(warnings.is_empty(), "{warnings:#?}");
+        // Its rectangles, each cut in two, are no mesh for springs.
+        let is_other = |fault: &Fault| !fault.message.contains("too irregular for springs");
+        assert!(!warnings.iter().any(is_other), "{warnings:#?}");
         assert_eq!(model.leaflet_vertex_count, COLUMNS * ROWS);
         assert_eq!(model.rest_mm.len(), COLUMNS * ROWS + 2 + 2);
         assert_eq!(model.faces.len(), COLUMNS * (ROWS - 1) * 2);

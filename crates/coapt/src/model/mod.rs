@@ -16,6 +16,7 @@ pub(crate) mod fixtures;
 mod hinges;
 mod insertion;
 mod membranes;
+pub mod mesh_quality;
 mod springs;
 mod strands;
 mod surface;

@@ -23,6 +23,7 @@ pub struct Constants {
 }
 
 /// Energy, stress and tangent at a metric.
+#[inline(always)]
 pub fn response(constants: &Constants, metric: &Metric) -> Response {
     if constants.compressibility_per_mpa > 0.0 {
         compressible(constants, metric)
@@ -38,6 +39,7 @@ pub fn response(constants: &Constants, metric: &Metric) -> Response {
 }
 
 /// I₁ of incompressible tissue with its first and second derivatives by c₁₁, c₂₂, c₁₂ [1].
+#[inline(always)]
 pub(super) fn first_invariant(metric: &Metric) -> (f64, Vector3<f64>, Matrix3<f64>) {
     let (determinant, slope) = determinant(metric);
     let [inverse, first, second] = bounded_inverse(determinant);
@@ -54,6 +56,7 @@ pub(super) fn first_invariant(metric: &Metric) -> (f64, Vector3<f64>, Matrix3<f6
 const LEAST_DETERMINANT: f64 = 0.25;
 
 /// 1/d, or its parabola: value, slope, curvature.
+#[inline(always)]
 fn bounded_inverse(determinant: f64) -> [f64; 3] {
     let below = (determinant - LEAST_DETERMINANT).min(0.0);
     let inverse = 1.0 / determinant.max(LEAST_DETERMINANT);
@@ -66,6 +69,7 @@ fn bounded_inverse(determinant: f64) -> [f64; 3] {
 }
 
 /// det C and its slope. What has collapsed to a line keeps a little area: 1e-6 of the unloaded.
+#[inline(always)]
 fn determinant(metric: &Metric) -> (f64, Vector3<f64>) {
     let determinant = metric[0] * metric[1] - metric[2] * metric[2];
     (
@@ -75,6 +79,7 @@ fn determinant(metric: &Metric) -> (f64, Vector3<f64>) {
 }
 
 /// w as a function of I₁ − 3: value, slope, curvature [MPa].
+#[inline(always)]
 fn of_excess(constants: &Constants, excess: f64) -> [f64; 3] {
     let &Constants {
         c0_mpa, c1_mpa, c2, ..
@@ -90,6 +95,7 @@ fn of_excess(constants: &Constants, excess: f64) -> [f64; 3] {
 
 /// With y = (c₁₁, c₂₂, c₁₂, c₃₃): w(y) at the c₃₃ that minimises it, and w′ and w″ by the first three:
 /// wₖ, wₖₗ − wₖ₄ wₗ₄ / w₄₄.
+#[inline(always)]
 fn compressible(constants: &Constants, metric: &Metric) -> Response {
     let (energy_mpa, slope, curvature) = solid(constants, metric, thickness_metric(constants, metric));
     let across: Vector3<f64> = curvature.fixed_view::<3, 1>(0, 3).into_owned();
@@ -105,28 +111,42 @@ fn compressible(constants: &Constants, metric: &Metric) -> Response {
 const ITERATIONS: u32 = 40;
 /// Longest change of ln c₃₃ in one of them: e^½ in thickness squared.
 const LONGEST_STEP: f64 = 0.5;
+/// After a change of ln c₃₃ by less than this the next would be less than its square, which is rounding.
+const SOLVED: f64 = 1e-10;
 
-/// c₃₃ without stress across, by Newton's method on its logarithm l: ∂w/∂l = c₃₃ w₄, ∂²w/∂l² = c₃₃ w₄ + c₃₃² w₄₄.
+/// c₃₃ without stress across, by Newton's method on its logarithm l. With r = d^(−1/3) and the trace t, both of which go with l,
+/// ∂Ī₁/∂l = r (c₃₃ − t/3), ∂²Ī₁/∂l² = r (c₃₃/3 + t/9), and of (J − 1)² / D the slope is J (J − 1) / D, the curvature
+/// J (J − ½) / D.
 fn thickness_metric(constants: &Constants, metric: &Metric) -> f64 {
-    let mut logarithm = -determinant(metric).0.ln();
+    let plane = determinant(metric).0;
+    let per_d = 1.0 / constants.compressibility_per_mpa;
+    let mut across = 1.0 / plane;
     for _ in 0..ITERATIONS {
-        let across = logarithm.exp();
-        let (_, slope, curvature) = solid(constants, metric, across);
-        let first = across * slope[3];
-        let second = first + across * across * curvature[(3, 3)];
-        let downhill = -first / second.abs().max(f64::MIN_POSITIVE);
-        logarithm += downhill.clamp(-LONGEST_STEP, LONGEST_STEP);
-        if downhill.abs() < 1e-14 {
+        let d = plane * across;
+        let (root, volume_ratio) = (1.0 / d.cbrt(), d.sqrt());
+        let trace = metric[0] + metric[1] + across;
+        let by_logarithm = root * (across - trace / 3.0);
+        let [_, first, second] = of_excess(constants, trace * root - 3.0);
+        let slope = first * by_logarithm + volume_ratio * (volume_ratio - 1.0) * per_d;
+        let curvature = second * by_logarithm * by_logarithm
+            + first * root * (across / 3.0 + trace / 9.0)
+            + volume_ratio * (volume_ratio - 0.5) * per_d;
+        let downhill = -slope / curvature.abs().max(f64::MIN_POSITIVE);
+        let step = downhill.clamp(-LONGEST_STEP, LONGEST_STEP);
+        // e to the step, to its third power, which does not slow Newton's method down.
+        across *= 1.0 + step * (1.0 + 0.5 * step);
+        if downhill.abs() < SOLVED {
             break;
         }
     }
-    logarithm.exp()
+    across
 }
 
 /// w of a solid and its derivatives by c₁₁, c₂₂, c₁₂, c₃₃.
 ///
 /// d = det C c₃₃ = J²; Ī₁ = (c₁₁ + c₂₂ + c₃₃) d^(−1/3); (J − 1)² / D has the slope (1 − 1/J) / D and the curvature
 /// 1 / (2 D J³) by d.
+#[inline(always)]
 fn solid(constants: &Constants, metric: &Metric, across: f64) -> (f64, Vector4<f64>, Matrix4<f64>) {
     let (plane, by_plane) = determinant(metric);
     let d = plane * across;
@@ -145,7 +165,7 @@ fn solid(constants: &Constants, metric: &Metric, across: f64) -> (f64, Vector4<f
     );
     let trace = metric[0] + metric[1] + across;
     let trace_slope = Vector4::new(1.0, 1.0, 0.0, 1.0);
-    let root = d.powf(-1.0 / 3.0);
+    let root = 1.0 / d.cbrt();
     let mixed = trace_slope * d_slope.transpose();
     let invariant_slope = trace_slope * root - d_slope * (trace * root / (3.0 * d));
     let invariant_curvature = (mixed + mixed.transpose()) * (-root / (3.0 * d))

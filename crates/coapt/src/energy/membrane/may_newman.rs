@@ -20,6 +20,7 @@ pub struct Constants {
 }
 
 /// Energy, stress and tangent at a metric.
+#[inline(always)]
 pub fn response(constants: &Constants, metric: &Metric) -> Response {
     let (invariant, invariant_slope, invariant_curvature) = first_invariant(metric);
     let excess = invariant - 3.0;

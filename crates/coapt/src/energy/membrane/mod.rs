@@ -10,6 +10,9 @@
 //! * [`may_newman`]: the same for tissue with fibres.
 //!
 //! [`tension_field`] makes a law of any of them that carries no compression: the tissue wrinkles finer than the mesh.
+//!
+//! Laws are `#[inline(always)]`: where only energy or stress is wanted the compiler then leaves out the second derivatives,
+//! and each law is written once. Without it a gradient costs as much as three quarters of a Hessian.
 
 pub mod exponential;
 pub mod may_newman;
@@ -51,6 +54,7 @@ pub enum Law {
 
 impl Law {
     /// Energy, stress and tangent at a metric.
+    #[inline(always)]
     pub fn response(&self, metric: &Metric) -> Response {
         match self {
             Self::StVenantKirchhoff(constants) => st_venant_kirchhoff::response(constants, metric),
@@ -71,6 +75,7 @@ pub struct Tissue {
 
 impl Tissue {
     /// Energy, stress and tangent at a metric.
+    #[inline(always)]
     pub fn response(&self, metric: &Metric) -> Response {
         if self.wrinkles {
             tension_field::response(&self.law, metric)
@@ -130,6 +135,7 @@ impl Membranes {
             .collect()
     }
 
+    #[inline(always)]
     fn stretched(&self, index: usize, positions_mm: &[Vec3]) -> Stretched {
         let [a, b, c] = self.corners[index].map(|corner| positions_mm[corner as usize]);
         let inverse = &self.inverse_rest_per_mm[index];
@@ -141,6 +147,7 @@ impl Membranes {
         }
     }
 
+    #[inline(always)]
     fn response(&self, index: usize, metric: &Metric) -> Response {
         self.tissues[self.tissue[index] as usize].response(metric)
     }
@@ -215,6 +222,7 @@ pub fn add_hessian(membranes: &Membranes, positions_mm: &[Vec3], sink: &mut impl
 
 /// The exponential function up to [`MOST_EXPONENT`], and from there on the parabola that fits its value, slope and
 /// curvature: value, slope, curvature [1]. Convex, and smooth to the second derivative.
+#[inline(always)]
 pub(crate) fn bounded_exponential(exponent: f64) -> [f64; 3] {
     let beyond = (exponent - MOST_EXPONENT).max(0.0);
     let value = exponent.min(MOST_EXPONENT).exp();

@@ -17,6 +17,7 @@ pub struct Constants {
 }
 
 /// Energy, stress and tangent at a metric.
+#[inline(always)]
 pub fn response(constants: &Constants, metric: &Metric) -> Response {
     let &Constants {
         modulus_mpa,
