@@ -1,4 +1,4 @@
-//! A human tricuspid valve closed by Abaqus, node by node: Texas TriValve 1.1, healthy (Mathur et al., Engineering with
+//! A human tricuspid valve closed by Abaqus, node by node: the healthy "Texas `TriValve`" 1.1 (Mathur et al., Engineering with
 //! Computers 2022, doi 10.1007/s00366-022-01659-w, CC BY 4.0). Shells of an exponential law, branching chordae that begin
 //! slack, an annulus that moves, contact.
 //!

@@ -2,9 +2,9 @@
 //!
 //! A stiff rod that passes from slack to taut within a step throws the valve about: it carries nothing, then a hundred times
 //! its load, and every such kink costs iterations. What a chord gives under its share of the load, mitral chordae 0.1 mm,
-//! those of the Texas TriValve 0.004 mm, hardly matters to the shape. So valves close with chordae that give a tenth of a
+//! those of the tricuspid one in `tests/it/texas.rs` 0.004 mm, hardly matters to the shape. So valves close with chordae that give a tenth of a
 //! millimetre first, on coarse meshes always; where those of the valve itself are far stiffer, they are stiffened in stages,
-//! in which taut chordae stay taut. Without it, residuals at the Texas valve's chordae stay above 1 for 250 iterations.
+//! in which taut chordae stay taut. Without it, residuals at that valve's chordae stay above 1 for 250 iterations.
 
 use super::Iteration;
 use super::load::reference_force_n;
