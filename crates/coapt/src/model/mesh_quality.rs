@@ -9,7 +9,7 @@
 //! q = (1, √2 cos 2φ, √2 sin 2φ) / √3, |q| = 1. Where vertices follow the strain, springs of stiffness E t A / L² around
 //! a vertex of area a have the stiffness Σ ½ A q qᵀ / a, whose trace is that of the identity whatever the mesh. The vertex is
 //! pulled by B ε, B = Σ (A / L) u qᵀ with u the spring's direction, gives way by K⁻¹ B ε, K = Σ (A / L²) u uᵀ, and so takes
-//! Bᵀ K⁻¹ B off. Its neighbours do likewise, which [`GIVING_WAY`] accounts for.
+//! Bᵀ K⁻¹ B off. Its neighbours do likewise, which `GIVING_WAY` accounts for.
 
 use super::Model;
 use super::elasticity::Sheet;

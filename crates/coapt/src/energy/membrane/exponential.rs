@@ -184,3 +184,34 @@ fn solid(constants: &Constants, metric: &Metric, across: f64) -> (f64, Vector4<f
             + d_curvature * by_d,
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounding is all that the thickness is off, for tissue whose shear modulus is 5e-7 to a quarter of its bulk modulus,
+    /// stretched and squeezed.
+    #[test]
+    fn thickness_leaves_no_stress_across() {
+        for compressibility_per_mpa in [1e-3, 20.0, 500.0] {
+            let constants = Constants {
+                c0_mpa: 0.001,
+                c1_mpa: 0.000_124,
+                c2: 4.568_202,
+                compressibility_per_mpa,
+            };
+            for metric in [
+                Metric::new(1.0, 1.0, 0.0),
+                Metric::new(2.4, 0.76, 0.2),
+                Metric::new(0.5, 0.6, -0.1),
+                Metric::new(4.0, 3.0, 0.0),
+            ] {
+                let across = thickness_metric(&constants, &metric);
+                let (_, slope, curvature) = solid(&constants, &metric, across);
+                // How far the thickness itself is off, as a part of it.
+                let off = slope[3] / (across * curvature[(3, 3)]);
+                assert!(off.abs() < 1e-12, "{compressibility_per_mpa} {metric}: {off:e}");
+            }
+        }
+    }
+}
