@@ -3,7 +3,7 @@
 use crate::Vec3;
 use crate::model::Model;
 
-/// The circumferential direction at each face of a model [1], shape `[face]`; see [`circumferential`].
+/// The circumferential direction at each face of a model [1], shape `[face]`; see `circumferential`.
 pub fn directions(model: &Model) -> Vec<Vec3> {
     circumferential(&model.rest_mm, &model.faces, &model.annulus)
 }
