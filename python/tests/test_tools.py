@@ -430,7 +430,7 @@ def test_texas_tables():
     assert sum(point.tip for point in case.points.values()) == 32
     assert case.pressure == ("pressure_kpa", 3.06)
     assert {leaflet.thickness_mm for leaflet in case.leaflets.values()} == {0.65}
-    assert case.contact == {"thickness_mm": 0.65, "stiffness_mpa": 0.5}
+    assert case.contact == {"thickness_mm": 0.24, "stiffness_mpa": 0.5}
     assert {group.insertion_radius_mm for group in case.chords.values()} == {0.0}
     # The material cards' numbers.
     assert case.leaflets["septal"].tissue.law == "exponential"
@@ -477,7 +477,7 @@ def test_texas_leaflets_as_springs_or_compressible(tmp_path):
     assert {leaflet["tissue"]["law"] for leaflet in springs["leaflets"]} == {"bilinear-springs"}
     tissues = [leaflet["tissue"] for leaflet in soft["leaflets"]]
     assert {tissue["compressibility_per_mpa"] for tissue in tissues} == {20.06689}
-    assert soft["contact"] == {"thickness_mm": 0.65, "stiffness_mpa": 0.5}
+    assert soft["contact"] == {"thickness_mm": 0.24, "stiffness_mpa": 0.5}
     assert {group["law"]["kind"] for group in soft["chordae"]} == {"table"}
     assert {group["insertion_radius_mm"] for group in soft["chordae"]} == {0.0}
     with pytest.raises(SystemExit):

@@ -122,5 +122,7 @@ def kaiser_chords(path: Path, points: dict, names: dict[str, str], law: dict) ->
     groups: dict[str, ChordGroup] = {}
     for tree, segment in segments:
         name = leaflet_of.get(tree, tree)
-        groups.setdefault(name, ChordGroup([], comment=comment, law=collagen)).segments.append(segment)
+        # Chordae and leaflets have nodes in common.
+        group = ChordGroup([], comment=comment, law=collagen, insertion_radius_mm=0.0)
+        groups.setdefault(name, group).segments.append(segment)
     return groups

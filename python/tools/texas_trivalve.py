@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import statistics
 from pathlib import Path
 
 from case_tables import Columns, read_chords, read_leaflets, read_points, tidy
@@ -48,10 +50,10 @@ def texas_case(
         group.law, group.comment = texas_chord_law(cards_path, cards, f"{name}_Chordae")
         # Chordae and leaflets have nodes in common; how chordae fan out is meshed.
         group.insertion_radius_mm = 0.0
-    # Shells touch at their thickness. 0.5 is the slope of the input's overclosure [MPa/mm]; here it is the scale
-    # of coapt's own law [MPa].
+    # 0.5 is the slope of the input's overclosure [MPa/mm]; here it is the scale of coapt's own law [MPa].
+    thickness_mm = min(leaflet.thickness_mm for leaflet in leaflets.values())
     contact = {
-        "thickness_mm": min(leaflet.thickness_mm for leaflet in leaflets.values()),
+        "thickness_mm": contact_thickness_mm(cards, thickness_mm, points, leaflets),
         "stiffness_mpa": 0.5,
     }
     pressure_kpa = tidy(texas_pressure_mpa(cards_path, cards) * 1e3)
@@ -78,6 +80,20 @@ def shell_thickness_mm(path: Path, cards: list, material: str) -> float:
     raise InputFault(f"{path}: no *shell section card with material {material}")
 
 
+def contact_thickness_mm(cards: list, thickness_mm: float, points: dict, leaflets: dict) -> float:
+    """The distance at which shells touch: their thickness, but no more than MAXRATIO of an edge (median, open)."""
+    ratios = [card.parameters["maxratio"] for card in cards if "maxratio" in card.parameters]
+    if not ratios:
+        return thickness_mm
+    faces = (face for leaflet in leaflets.values() for face in leaflet.faces)
+    edges = [
+        math.dist(points[a].position_mm, points[b].position_mm)
+        for face in faces
+        for a, b in zip(face, face[1:] + face[:1])
+    ]
+    return float(f"{min(thickness_mm, float(ratios[0]) * statistics.median(edges)):.2g}")
+
+
 def texas_pressure_mpa(path: Path, cards: list) -> float:
     """The pressure of the last *Dsload card: `surface, P, value`."""
     for card in reversed(cards):
@@ -93,7 +109,7 @@ def texas_membrane(path: Path, cards: list, material: str, compressible: bool) -
     """The law as published; the card holds C0, D, C1, C2."""
     card = material_card(path, cards, material, "anisotropic hyperelastic")
     c0, d, c1, c2 = card_numbers(path, card, 4)
-    values = {"c0_mpa": c0, "c1_mpa": c1, "c2": c2}
+    values = {"c0_mpa": c0, "c1_mpa": c1, "c2": c2, "wrinkling": "tension-field"}
     if compressible:
         values["compressibility_per_mpa"] = d
     values["bending_modulus_mpa"] = TEXAS_BENDING_MODULUS_MPA
