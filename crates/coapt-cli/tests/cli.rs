@@ -367,7 +367,7 @@ fn a_study_sets_error_against_time() {
     ];
     arguments.extend([
         "--tolerance",
-        "1e-2,1e-3",
+        "1e-1,1e-3",
         "--thickness",
         "1.0,0.7",
         "--repeats",

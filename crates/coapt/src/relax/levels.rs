@@ -5,7 +5,7 @@
 //! long as nothing crosses where they begin; where something would, they walk there from the open valve, bounded by contact.
 
 use super::newton::Newton;
-use super::soft_chordae::{SOFT_MM, soften};
+use super::soft_chordae::{SOFT_MM, softened};
 use super::{Iteration, Status};
 use crate::Vec3;
 use crate::coarsen::coarsen;
@@ -53,7 +53,9 @@ fn carried_over(model: &Model, vertex_target: usize, history: &mut Vec<Iteration
     let settings = &mut coarse.model.settings;
     settings.residual_tolerance = settings.residual_tolerance.max(COARSE_TOLERANCE);
     settings.iteration_limit = settings.iteration_limit.min(COARSE_ITERATION_LIMIT);
-    soften(&mut coarse.model, SOFT_MM);
+    if let Some(softer) = softened(&coarse.model, SOFT_MM) {
+        coarse.model = softer;
+    }
     let mut newton = Newton::new(&coarse.model);
     newton.step_limit_mm *= COARSE_STEP;
     // Whether the coarse valve is stable does not matter.
