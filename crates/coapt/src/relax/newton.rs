@@ -76,6 +76,8 @@ pub(super) struct Newton<'a> {
     crawled: u32,
     damping: f64,
     exact_damping: f64,
+    /// The least damping that made the last exact tangent positive definite.
+    factor_damping: f64,
     /// Minus the force on each vertex where the valve now is [N], shape `[vertex]`.
     pub(super) gradient: Vec<Vec3>,
     pub(super) trial_gradient: Vec<Vec3>,
@@ -113,6 +115,7 @@ impl<'a> Newton<'a> {
             crawled: 0,
             damping,
             exact_damping: 1e-3 * damping,
+            factor_damping: 0.0,
             gradient: zeros.clone(),
             trial_gradient: zeros.clone(),
             trial: zeros.clone(),
@@ -258,12 +261,14 @@ impl<'a> Newton<'a> {
         false
     }
 
-    /// Factorises the exact tangent with the least damping that makes it positive definite, from the present one upwards:
-    /// that damping, if any of those tried does.
+    /// Factorises the exact tangent with the least damping that makes it positive definite, from the present one upwards or
+    /// from just below what the last tangent needed, which steps without damping do not tell: that damping, if any of those
+    /// tried does.
     fn factorise_exact(&mut self) -> Option<f64> {
-        let mut damping = self.exact_damping;
+        let mut damping = self.exact_damping.max(self.factor_damping / DAMPING_RISE);
         for _ in 0..EXACT_TRIES {
             if self.system.factorise(damping) {
+                self.factor_damping = damping;
                 return Some(damping);
             }
             damping *= DAMPING_RISE;
