@@ -30,6 +30,8 @@ const EXACT_BELOW: f64 = 0.3;
 /// last [1] for so many steps.
 const CRAWLING: f64 = 0.9;
 const CRAWL_LIMIT: u32 = 4;
+/// Or where it goes round: a two-cycle without pressure in the tangent changes the residual by half a per cent to and fro [1].
+const GOING_ROUND: f64 = 1.02;
 /// Relative residual of a Newton step [1]: Newton squares its error at best, and far away it cannot use more.
 const NEWTON_TOLERANCE: f64 = 1e-2;
 /// Below this residual the damping that the factorisation may need is left out of the step itself; far out it is a brake
@@ -150,7 +152,7 @@ impl<'a> Newton<'a> {
             }
             idle = if residual < least_residual { 0 } else { idle + 1 };
             least_residual = least_residual.min(residual);
-            let crawls = residual < last_residual && residual > CRAWLING * last_residual;
+            let crawls = (CRAWLING * last_residual..GOING_ROUND * last_residual).contains(&residual);
             self.crawled = if crawls { self.crawled + 1 } else { 0 };
             last_residual = residual;
             let exact = self.newton_step(positions, residual, moving);
