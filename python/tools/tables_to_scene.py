@@ -138,7 +138,8 @@ def report(case: Case, files: list[Path]) -> str:
         tissue = leaflet.tissue
         lines.append(f"leaflet {name}: {len(leaflet.faces)} faces, thickness {leaflet.thickness_mm:g} mm")
         if tissue:
-            constants = ", ".join(f"{key} {value:g}" for key, value in tissue.values.items())
+            said = {key: value if isinstance(value, str) else f"{value:g}" for key, value in tissue.values.items()}
+            constants = ", ".join(f"{key} {value}" for key, value in said.items())
             lines.append(f"  {tissue.law}: {constants}")
             lines += [f"  {line}" for line in tissue.comment]
     for name, group in case.chords.items():

@@ -4,8 +4,8 @@
 //!
 //! Two things are not what the input says at first sight, and the published closed state tells which way they are:
 //!
-//! * Tissue. Its volumetric term, D = 20 /MPa, would let it thin so much that at the published strains it bore 0.4 of the
-//!   pressure, on the mean over all nodes free of contact and chordae; without volume change it bears 0.8
+//! * Tissue. Its volumetric term, D = 20 /MPa, would let it thin so much that at the published strains it bore 0.37 of the
+//!   pressure, median over all nodes free of contact and chordae; without volume change it bears 0.77
 //!   ([`the_published_state_is_that_of_incompressible_tissue`]). Stress grows by a factor of two within 1.5 % of strain here.
 //! * Contact. `MAXRATIO=0.6` on the surfaces lets shells be no thicker for contact than 0.6 of their edges: 0.24 mm, not
 //!   the 0.65 mm of the section. Published nodes in contact are 0.25 mm apart (median).
@@ -430,8 +430,10 @@ fn a_tricuspid_valve_closes_as_in_abaqus() {
             built(&published.scene(|leaflet| tissue(leaflet, COMPRESSIBILITY_PER_MPA))),
         ),
     ] {
-        against(name, &thinned(&model), &full, &closed_mm);
-        against(name, &model, &full, &closed_mm);
+        for model in [&thinned(&model), &model] {
+            let Against { equilibrium, .. } = against(name, model, &full, &closed_mm);
+            assert!(equilibrium.certificate.is_certified(equilibrium.status), "{name}");
+        }
     }
     eprintln!("longest: {:.1} s", coarse.seconds.max(fine.seconds));
 }
@@ -475,8 +477,9 @@ fn borne(published: &Published, compressibility_per_mpa: f64) -> (f64, usize) {
     (parts[parts.len() / 2], parts.len())
 }
 
-/// In balance all of it would be borne: 1. Incompressible tissue comes near, tissue as compressible as the input says does
-/// not, and no other constant is left to change.
+/// In balance all of it would be borne: 1. Incompressible tissue comes near, tissue as compressible as the input says does not.
+/// What is left, 0.23, is a strain of a hundredth: stress doubles within 1.5 % of strain. Dynamics and shells instead of
+/// membranes may have their part in it.
 #[test]
 #[allow(clippy::print_stderr, reason = "measured figures are what the run is for")]
 fn the_published_state_is_that_of_incompressible_tissue() {

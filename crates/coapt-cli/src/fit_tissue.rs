@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use coapt::scene::SpringBranches;
+use coapt::scene::{SpringBranches, default_bending_modulus_mpa};
 use coapt::tissue_fit::{BilinearFit, anisotropic_from_curve, area_equivalent, bilinear_from_curve};
 use coapt_io::biaxial::read_biaxial;
 use coapt_io::report::NOTICE;
@@ -89,7 +89,12 @@ fn text(name: &str, anisotropic: bool, fit: &BilinearFit) -> String {
         fit.worst_error_mpa
     );
     match anisotropic {
-        false => format!("{head}law = \"bilinear-springs\"\n{}", keys(&fit.circumferential)),
+        // As much as the other laws bend by default.
+        false => format!(
+            "{head}law = \"bilinear-springs\"\n{}bending_modulus_ratio = {}\n",
+            keys(&fit.circumferential),
+            number(default_bending_modulus_mpa() / fit.circumferential.pre_transition_modulus_mpa)
+        ),
         true => format!(
             "{head}law = \"anisotropic-springs\"\n\n[leaflets.tissue.circumferential]\n{}\n[leaflets.tissue.radial]\n{}",
             keys(&fit.circumferential),
@@ -99,11 +104,14 @@ fn text(name: &str, anisotropic: bool, fit: &BilinearFit) -> String {
 }
 
 /// Six digits, more than any tissue is known to.
-fn keys(branches: &SpringBranches) -> String {
-    let number = |value: f64| match format!("{value:.5e}").parse::<f64>() {
+fn number(value: f64) -> String {
+    match format!("{value:.5e}").parse::<f64>() {
         Ok(rounded) => format!("{rounded:?}"),
         Err(_) => format!("{value:?}"),
-    };
+    }
+}
+
+fn keys(branches: &SpringBranches) -> String {
     format!(
         "pre_transition_modulus_mpa = {}\ntransition_strain = {}\npost_transition_modulus_mpa = {}\n",
         number(branches.pre_transition_modulus_mpa),

@@ -18,7 +18,7 @@ use coapt_io::report::{Closed, Closure, NOTICE, Report, write_results};
 use coapt_io::scene::{sentence, write_scene};
 use serde_json::json;
 
-use crate::case;
+use crate::case::{self, Source};
 use crate::closure::{Format, on_threads};
 use crate::output::{Failure, Verdict, print, say};
 
@@ -60,6 +60,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         per_group: arguments.per_group,
         ..FitSettings::default()
     };
+    if let Some(folder) = &arguments.out {
+        refuse_own_folder(folder, &case.source)?;
+    }
     let (fit, wall_ms) = on_threads(arguments.threads, || {
         let start = Instant::now();
         let fit =
@@ -89,6 +92,28 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         true => Verdict::Done,
         false => Verdict::Uncertified,
     })
+}
+
+/// The fitted scene must not take the place of the one that it was fitted from.
+fn refuse_own_folder(folder: &Path, source: &Source) -> Result<(), Failure> {
+    let Source::File(scene_file, _) = source else {
+        return Ok(());
+    };
+    let same = match (
+        folder.join("scene.toml").canonicalize(),
+        scene_file.canonicalize(),
+    ) {
+        (Ok(written), Ok(read)) => written == read,
+        _ => false,
+    };
+    if !same {
+        return Ok(());
+    }
+    let message = format!(
+        "is the folder of the scene itself, {}, which would be overwritten; expected another",
+        scene_file.display()
+    );
+    Err(vec![Fault::error("--out", message)].into())
 }
 
 /// The points of a surface that its triangles use.

@@ -221,3 +221,34 @@ fn a_biaxial_curve_becomes_a_block_of_a_scene() {
         stderr(&output)
     );
 }
+
+/// The scene that is read stays as it is.
+#[test]
+fn the_scene_itself_is_never_overwritten() {
+    let folder = std::path::PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("own-folder");
+    let own = folder.to_str().unwrap();
+    let run = |arguments: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_coapt"))
+            .args(arguments)
+            .output()
+            .unwrap()
+    };
+    assert!(
+        run(&["generate", "healthy", "--set", "faces=200", "--out", own])
+            .status
+            .success()
+    );
+    let before = std::fs::read(folder.join("scene.toml")).unwrap();
+    let leaflet = folder.join("anterior.vtp");
+    let target = std::fs::read_dir(&folder)
+        .unwrap()
+        .filter_map(|entry| Some(entry.ok()?.path()));
+    let target = target
+        .filter(|path| path.extension().is_some_and(|e| e == "vtp"))
+        .min()
+        .unwrap_or(leaflet);
+    let output = run(&["personalise", own, target.to_str().unwrap(), "--out", own]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("--out"), "{}", stderr(&output));
+    assert_eq!(std::fs::read(folder.join("scene.toml")).unwrap(), before);
+}

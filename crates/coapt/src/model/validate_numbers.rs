@@ -6,21 +6,32 @@ use crate::scene::{LineMesh, SurfaceMesh};
 /// Coordinates and other numbers beyond this are no anatomy in any unit; the bound keeps arithmetic finite.
 const LARGEST: f64 = 1e7;
 
+/// What is nearer to nothing is nothing.
+const LEAST: f64 = 1e-9;
+
+/// The range, for a number whose fault is to lie beyond its far ends.
+fn range_beyond(value: f64, least: f64) -> Option<String> {
+    let beyond = value.is_finite() && (value > LARGEST || (0.0 < value && value < least));
+    beyond.then(|| format!("{least} to {LARGEST}"))
+}
+
 /// A number above zero, not so small or large that arithmetic overflows.
 pub(crate) fn positive(value: f64, place: &str, unit: &str, faults: &mut Faults) {
-    if !(value.is_finite() && (1e-9..=LARGEST).contains(&value)) {
+    if !(value.is_finite() && (LEAST..=LARGEST).contains(&value)) {
+        let range = range_beyond(value, LEAST).unwrap_or_else(|| "a finite number above 0".into());
         faults.error(
             place,
-            format!("is {value} {unit}, expected a finite number above 0").replace(" ,", ","),
+            format!("is {value} {unit}, expected {range}").replace(" ,", ","),
         );
     }
 }
 
 pub(crate) fn not_negative(value: f64, place: &str, unit: &str, faults: &mut Faults) {
     if !(value.is_finite() && (0.0..=LARGEST).contains(&value)) {
+        let range = range_beyond(value, 0.0).unwrap_or_else(|| "a finite number, 0 or above".into());
         faults.error(
             place,
-            format!("is {value} {unit}, expected a finite number, 0 or above").replace(" ,", ","),
+            format!("is {value} {unit}, expected {range}").replace(" ,", ","),
         );
     }
 }

@@ -89,7 +89,6 @@ pub(crate) fn tissue(tissue: &Tissue, place: &str, faults: &mut Faults) {
         } => {
             positive(c0_mpa, &at("c0_mpa"), "MPa", faults);
             positive(c1, &at("c1"), "", faults);
-            exponent(c1, &at("c1"), faults);
             exponent(c2, &at("c2"), faults);
             not_negative(bending_modulus_mpa, &at("bending_modulus_mpa"), "MPa", faults);
         }

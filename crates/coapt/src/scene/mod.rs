@@ -10,8 +10,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use chordae::default_insertion_radius_mm;
 pub use chordae::{ChordGroup, ChordLaw, LineMesh};
-pub(crate) use tissue::default_bending_modulus_mpa;
-pub use tissue::{SpringBranches, Tissue, Wrinkling};
+pub use tissue::{SpringBranches, Tissue, Wrinkling, default_bending_modulus_mpa};
 
 /// The scene layout that this version reads and writes.
 pub const SCHEMA_VERSION: u32 = 1;

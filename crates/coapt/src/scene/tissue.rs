@@ -148,7 +148,7 @@ fn default_bending_modulus_ratio() -> f64 {
 }
 
 /// As the springs have by default: 6 times 0.08 MPa.
-pub(crate) fn default_bending_modulus_mpa() -> f64 {
+pub fn default_bending_modulus_mpa() -> f64 {
     default_bending_modulus_ratio() * default_pre_transition_modulus_mpa()
 }
 
