@@ -200,7 +200,7 @@ fn a_biaxial_curve_becomes_a_block_of_a_scene() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     let due = "law = \"bilinear-springs\"\npre_transition_modulus_mpa = 0.05\ntransition_strain = 0.2\n\
-               post_transition_modulus_mpa = 2.0\n";
+               post_transition_modulus_mpa = 2.0\nbending_modulus_ratio = 9.6\n";
     assert!(text.ends_with(due), "{text}");
     // A scene takes the block as it is.
     let valve = folder.valve("valve", "1.0");
@@ -239,14 +239,7 @@ fn the_scene_itself_is_never_overwritten() {
             .success()
     );
     let before = std::fs::read(folder.join("scene.toml")).unwrap();
-    let leaflet = folder.join("anterior.vtp");
-    let target = std::fs::read_dir(&folder)
-        .unwrap()
-        .filter_map(|entry| Some(entry.ok()?.path()));
-    let target = target
-        .filter(|path| path.extension().is_some_and(|e| e == "vtp"))
-        .min()
-        .unwrap_or(leaflet);
+    let target = folder.join("leaflet_anterior.vtp");
     let output = run(&["personalise", own, target.to_str().unwrap(), "--out", own]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(stderr(&output).contains("--out"), "{}", stderr(&output));
