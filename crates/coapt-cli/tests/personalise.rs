@@ -225,23 +225,18 @@ fn a_biaxial_curve_becomes_a_block_of_a_scene() {
 /// The scene that is read stays as it is.
 #[test]
 fn the_scene_itself_is_never_overwritten() {
-    let folder = std::path::PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("own-folder");
-    let own = folder.to_str().unwrap();
-    let run = |arguments: &[&str]| {
-        Command::new(env!("CARGO_BIN_EXE_coapt"))
-            .args(arguments)
-            .output()
-            .unwrap()
-    };
-    assert!(
-        run(&["generate", "healthy", "--set", "faces=200", "--out", own])
-            .status
-            .success()
-    );
-    let before = std::fs::read(folder.join("scene.toml")).unwrap();
-    let target = folder.join("leaflet_anterior.vtp");
-    let output = run(&["personalise", own, target.to_str().unwrap(), "--out", own]);
+    let folder = Folder::new("own");
+    let own = folder.valve("valve", "1.0");
+    let scene = format!("{own}/scene.toml");
+    let before = std::fs::read(&scene).unwrap();
+    let output = coapt(&[
+        "personalise",
+        &own,
+        &format!("{own}/leaflet_anterior.vtp"),
+        "--out",
+        &own,
+    ]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(stderr(&output).contains("--out"), "{}", stderr(&output));
-    assert_eq!(std::fs::read(folder.join("scene.toml")).unwrap(), before);
+    assert_eq!(std::fs::read(&scene).unwrap(), before);
 }
