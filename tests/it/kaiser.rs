@@ -8,7 +8,7 @@
 //! dead loads, and made anew until it no longer changes: then the valve is in balance under exactly their rule.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use coapt::Vec3;
 use coapt::energy::chord::Chords;
@@ -18,39 +18,14 @@ use coapt::relax::{Equilibrium, Status, relax};
 use coapt::scene::{ChordLaw, Contact, Settings, Tissue};
 use coapt::state::State;
 
+use crate::tables::{Row, number, point, shared, table};
+
 /// 1 dyn/cm² [MPa].
 const DYN_PER_CM2_MPA: f64 = 1e-7;
 /// 1 cm² [mm²].
 const CM2_MM2: f64 = 100.0;
-/// Corrections of the pressure, at most; they shrink to about a tenth each time.
+/// Corrections of the pressure, at most; seven to nine closures are enough.
 const CORRECTIONS: u32 = 20;
-
-fn folder() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/kaiser_mitral");
-    folder.is_dir().then_some(folder)
-}
-
-/// The cells of a table by the names in its first line.
-fn table(path: &Path) -> Vec<HashMap<String, String>> {
-    let text = std::fs::read_to_string(path).expect("the folder holds its tables");
-    let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().expect("a head").split(',').collect();
-    let row = |line: &str| {
-        let cells = line.split(',').map(str::to_owned);
-        names.iter().map(|name| (*name).to_owned()).zip(cells).collect()
-    };
-    lines.map(row).collect()
-}
-
-fn number<T: std::str::FromStr>(row: &HashMap<String, String>, name: &str) -> T {
-    let parsed = row[name].parse().ok();
-    parsed.unwrap_or_else(|| panic!("{name} is {}", row[name]))
-}
-
-fn place(row: &HashMap<String, String>, names: [&str; 3]) -> Vec3 {
-    let [x, y, z] = names.map(|name| number(row, name));
-    Vec3::new(x, y, z)
-}
 
 /// A valve as its generator left it.
 struct Valve {
@@ -64,10 +39,10 @@ struct Valve {
 fn valve(folder: &Path) -> Valve {
     let nodes = table(&folder.join("nodes.csv"));
     let law = law(&folder.join("law.txt"));
-    let is_leaflet = |row: &&HashMap<String, String>| row["kind"] == "leaflet";
+    let is_leaflet = |row: &&Row| row["kind"] == "leaflet";
     let rest_mm: Vec<Vec3> = nodes
         .iter()
-        .map(|row| place(row, ["xo_mm", "yo_mm", "zo_mm"]))
+        .map(|row| point(row, ["xo_mm", "yo_mm", "zo_mm"]))
         .collect();
     let prescribed: Vec<Prescribed> = (0..nodes.len())
         .filter(|&node| nodes[node]["fixed"] == "1" || nodes[node]["kind"] == "papillary")
@@ -86,7 +61,7 @@ fn valve(folder: &Path) -> Valve {
     Valve {
         closed_mm: nodes
             .iter()
-            .map(|row| place(row, ["xc_mm", "yc_mm", "zc_mm"]))
+            .map(|row| point(row, ["xc_mm", "yc_mm", "zc_mm"]))
             .collect(),
         around: grid.keys().map(|(j, _)| *j).max().unwrap_or(0),
         grid,
@@ -138,7 +113,7 @@ fn law(path: &Path) -> HashMap<String, f64> {
 /// Their quads, cut in two, and turned so that our pressure acts along theirs.
 fn faces(folder: &Path) -> Vec<[u32; 3]> {
     let quads = table(&folder.join("quads.csv"));
-    let cut = |row: &HashMap<String, String>| {
+    let cut = |row: &Row| {
         let [a, b, c, d] = ["a", "b", "c", "d"].map(|name| number::<u32>(row, name));
         let second = (d != c).then_some([a, c, d]);
         [Some([a, b, c]), second].into_iter().flatten()
@@ -226,8 +201,7 @@ fn farthest(one: &[Vec3], other: &[Vec3]) -> f64 {
 #[test]
 #[allow(clippy::print_stderr, reason = "measured figures are what the run is for")]
 fn equilibria_of_an_independent_mass_spring_code_are_returned() {
-    let Some(folder) = folder() else {
-        eprintln!("skipped: ../shared not present");
+    let Some(folder) = shared("kaiser_mitral") else {
         return;
     };
     for case in ["ct_32", "ct_64", "normal1_32", "normal1_64"] {

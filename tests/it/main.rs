@@ -12,5 +12,6 @@ mod laws;
 mod personalise;
 mod roads;
 mod stress;
+mod tables;
 mod texas;
 mod verification;

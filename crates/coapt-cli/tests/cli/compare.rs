@@ -1,16 +1,10 @@
 //! `coapt compare` as its users meet it.
 
-use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::path::Path;
 
 use serde_json::Value;
 
-fn coapt(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_coapt"))
-        .args(arguments)
-        .output()
-        .unwrap()
-}
+use crate::program::{Folder, coapt, shared};
 
 fn json(arguments: &[&str]) -> Value {
     let output = coapt(&[arguments, &["--format", "json"]].concat());
@@ -22,13 +16,6 @@ fn json(arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-fn folder(name: &str) -> String {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("compare-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder.display().to_string()
-}
-
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
@@ -37,7 +24,8 @@ fn number(value: &Value) -> f64 {
 /// between centroids, which is larger by its nature; alignment does not make the least squares worse.
 #[test]
 fn results_of_two_meshes_are_compared() {
-    let root = folder("meshes");
+    let folder = Folder::new("compare");
+    let root = folder.path("");
     let [scene, coarse, fine, out] = ["scene", "coarse", "fine", "out"].map(|name| format!("{root}/{name}"));
     let commands: [&[&str]; 3] = [
         &["closure", "healthy", "--out", &coarse],
@@ -59,7 +47,7 @@ fn results_of_two_meshes_are_compared() {
         text.ends_with("research use, not a medical device\n") && !text.contains("warning"),
         "{text}"
     );
-    assert!(PathBuf::from(&out).join("error.vtp").is_file());
+    assert!(Path::new(&out).join("error.vtp").is_file());
     let written = std::fs::read(format!("{out}/comparison.json")).unwrap();
     let found = json(&["compare", &coarse, &fine]);
     assert_eq!(found, serde_json::from_slice::<Value>(&written).unwrap());
@@ -86,7 +74,8 @@ fn results_of_two_meshes_are_compared() {
 /// Wrong input is status 2 with a sentence that names it; all wrong names at once.
 #[test]
 fn wrong_input_is_told() {
-    let root = folder("wrong");
+    let folder = Folder::new("compare-wrong");
+    let root = folder.path("");
     let cloud = format!("{root}/cloud.vtk");
     let head = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n";
     std::fs::write(&cloud, format!("{head}0 0 0 9 0 0 0 9 0\n")).unwrap();
@@ -123,15 +112,10 @@ fn wrong_input_is_told() {
 /// A finite-element valve of warped quadrilaterals, open and closed: one mesh, whose leaflet nodes are 8.0 mm apart on
 /// average and 18.3 mm at most, as its source states to these digits. Against itself nothing is apart.
 #[test]
-#[allow(clippy::print_stderr, reason = "a skipped test must say so")]
 fn a_finite_element_valve_is_compared_node_by_node() {
-    let beside = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared"));
-    let shared = std::env::var_os("COAPT_SHARED").map_or_else(beside, PathBuf::from);
-    let data = shared.join("data/texas_trivalve_healthy");
-    if !data.is_dir() {
-        eprintln!("skipped: ../shared not present");
+    let Some(data) = shared("data/texas_trivalve_healthy") else {
         return;
-    }
+    };
     let [open, closed] =
         ["open", "closed"].map(|state| data.join(format!("healthy_{state}.vtk")).display().to_string());
     let found = json(&["compare", &closed, &open]);

@@ -1,67 +1,16 @@
 //! `coapt personalise` and `coapt fit-tissue` as their users meet them.
 
-use std::path::PathBuf;
-use std::process::{Command, Output};
-
 use serde_json::Value;
 
-fn coapt(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_coapt"))
-        .args(arguments)
-        .output()
-        .unwrap()
-}
+use crate::program::{Folder, coapt, stderr, stdout};
 
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-/// A folder that is gone at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("coapt-personalise-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).display().to_string()
-    }
-
-    /// A small valve as a scene folder, with chordae so many times as long as usual.
-    fn valve(&self, name: &str, length: &str) -> String {
-        let (folder, length) = (self.path(name), format!("chordae.rest_length_scale={length}"));
-        let settings = [
-            "generate",
-            "restricted",
-            "--out",
-            &folder,
-            "--set",
-            "faces=300",
-            "--set",
-            &length,
-        ];
-        let output = coapt(&settings);
-        assert!(output.status.success(), "{}", stderr(&output));
-        folder
-    }
-
-    fn file(&self, name: &str, text: &str) -> String {
-        std::fs::write(self.0.join(name), text).unwrap();
-        self.path(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
+/// A small valve with chordae so many times as long as usual.
+fn valve(folder: &Folder, name: &str, length: &str) -> String {
+    folder.preset(
+        name,
+        "restricted",
+        &[&format!("chordae.rest_length_scale={length}")],
+    )
 }
 
 /// A valve with chordae of 0.9 is fitted to the closed shape that it has with 1.0, and its scene then closes to that. The
@@ -69,7 +18,7 @@ impl Drop for Folder {
 #[test]
 fn a_scene_is_fitted_and_closes_to_the_target() {
     let folder = Folder::new("fits");
-    let (given, other) = (folder.valve("given", "0.9"), folder.valve("other", "1.0"));
+    let (given, other) = (valve(&folder, "given", "0.9"), valve(&folder, "other", "1.0"));
     let closed = folder.path("closed");
     assert!(coapt(&["closure", &other, "--out", &closed]).status.success());
     let (target, out) = (format!("{closed}/closed.vtp"), folder.path("fitted"));
@@ -103,7 +52,7 @@ fn a_scene_is_fitted_and_closes_to_the_target() {
 #[test]
 fn the_annulus_of_the_target_is_taken_over() {
     let folder = Folder::new("annulus");
-    let given = folder.valve("given", "1.0");
+    let given = valve(&folder, "given", "1.0");
     let closed = folder.path("closed");
     assert!(coapt(&["closure", &given, "--out", &closed]).status.success());
     let target = format!("{closed}/closed.vtp");
@@ -159,7 +108,7 @@ fn assert_is_the_valve_reported(scene: &str, target: &str, report: &Value) {
 #[test]
 fn wrong_targets_are_told_with_their_file() {
     let folder = Folder::new("wrong");
-    let given = folder.valve("given", "1.0");
+    let given = valve(&folder, "given", "1.0");
     let told = |target: &str| {
         let output = coapt(&["personalise", &given, target]);
         assert_eq!(output.status.code(), Some(2), "{}", stdout(&output));
@@ -203,7 +152,7 @@ fn a_biaxial_curve_becomes_a_block_of_a_scene() {
                post_transition_modulus_mpa = 2.0\nbending_modulus_ratio = 9.6\n";
     assert!(text.ends_with(due), "{text}");
     // A scene takes the block as it is.
-    let valve = folder.valve("valve", "1.0");
+    let valve = valve(&folder, "valve", "1.0");
     let scene = std::fs::read_to_string(format!("{valve}/scene.toml")).unwrap();
     let (head, rest) = scene
         .split_once("[leaflets.tissue]\n")
@@ -226,7 +175,7 @@ fn a_biaxial_curve_becomes_a_block_of_a_scene() {
 #[test]
 fn the_scene_itself_is_never_overwritten() {
     let folder = Folder::new("own");
-    let own = folder.valve("valve", "1.0");
+    let own = valve(&folder, "valve", "1.0");
     let scene = format!("{own}/scene.toml");
     let before = std::fs::read(&scene).unwrap();
     let output = coapt(&[

@@ -5,18 +5,11 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-/// `../shared` beside the repository, or what `COAPT_SHARED` names.
-fn shared() -> Option<PathBuf> {
-    let beside = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared"));
-    let folder = std::env::var_os("COAPT_SHARED").map_or_else(beside, PathBuf::from);
-    folder.join("data/kaiser_mitral").is_dir().then_some(folder)
-}
+use crate::program::shared;
 
 #[test]
-#[allow(clippy::print_stderr, reason = "a skipped test must say so")]
 fn the_kaiser_valves_import_and_close() {
-    let Some(shared) = shared() else {
-        eprintln!("skipped: ../shared not present");
+    let Some(kaiser) = shared("data/kaiser_mitral") else {
         return;
     };
     let tool = concat!(
@@ -25,7 +18,7 @@ fn the_kaiser_valves_import_and_close() {
     );
     for case in ["ct_64", "normal1_64"] {
         let scene = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(case);
-        let tables = shared.join("data/kaiser_mitral").join(case);
+        let tables = kaiser.join(case);
         let made = Command::new("python3")
             .args([tool, "kaiser", "--force"])
             .arg(&tables)

@@ -1,0 +1,9 @@
+//! The program as its users meet it, a module per verb.
+
+mod closure;
+mod compare;
+mod export;
+mod personalise;
+mod program;
+mod real_data;
+mod study;
