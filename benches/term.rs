@@ -107,14 +107,7 @@ fn laws() -> [(&'static str, Law); 4] {
         ),
         ("exponential", exponential(0.0)),
         ("exponential, compressible", exponential(20.066_89)),
-        (
-            "May-Newman",
-            Law::MayNewman(may_newman::Constants {
-                c0_mpa: 0.000_399,
-                c1: 4.325,
-                c2: 1446.5,
-            }),
-        ),
+        ("May-Newman", Law::MayNewman(may_newman::ANTERIOR)),
     ]
 }
 

@@ -309,8 +309,8 @@ fn stored_results_of_calculix_are_ours() {
         assert_eq!(warnings, []);
         let difference = difference(&model, &ours(&model), &theirs);
         assert!(difference < SAME_LAW, "{name}: {difference:e}");
-        // The test can fail: a law that is off by two per cent is seen.
-        let softer = roof(match tissue {
+        // The test can fail: a modulus that is off by two per cent, a compressibility by a tenth are seen.
+        let other = roof(match tissue {
             Tissue::StVenantKirchhoff { .. } => Tissue::StVenantKirchhoff {
                 modulus_mpa: 0.98,
                 poisson_ratio: 0.45,
@@ -319,7 +319,7 @@ fn stored_results_of_calculix_are_ours() {
             },
             _ => neo_hookean(0.9),
         });
-        let seen = self::difference(&model, &ours(&softer), &theirs);
+        let seen = self::difference(&model, &ours(&other), &theirs);
         assert!(seen > 20.0 * SAME_LAW, "{name}: {seen:e}");
     }
 }

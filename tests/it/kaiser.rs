@@ -197,7 +197,7 @@ fn farthest(one: &[Vec3], other: &[Vec3]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// 1e-3 mm: their tables have nine digits and their own residual leaves less; what moves by 2 to 9 mm must come back to it.
+/// 1e-3 mm: their tables have nine digits and their own residual leaves less; what moves by 7 to 8 mm must come back to it.
 #[test]
 #[allow(clippy::print_stderr, reason = "measured figures are what the run is for")]
 fn equilibria_of_an_independent_mass_spring_code_are_returned() {

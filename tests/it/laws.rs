@@ -1,6 +1,7 @@
 //! A whole valve of each tissue law: closed, certified, in balance.
 
 use coapt::Vec3;
+use coapt::energy::membrane::may_newman;
 use coapt::mesh::parametric::{Preset, ValveParameters, generate};
 use coapt::model::Model;
 use coapt::scene::{SpringBranches, Tissue, Wrinkling};
@@ -40,9 +41,9 @@ fn tissues(wrinkling: Wrinkling) -> Vec<Tissue> {
         exponential(0.0),
         exponential(1.0),
         Tissue::MayNewman {
-            c0_mpa: 0.399e-3,
-            c1: 4.325,
-            c2: 1446.5,
+            c0_mpa: may_newman::ANTERIOR.c0_mpa,
+            c1: may_newman::ANTERIOR.c1,
+            c2: may_newman::ANTERIOR.c2,
             wrinkling,
             bending_modulus_mpa: BENDING_MPA,
         },

@@ -176,7 +176,8 @@ fn close(model: Model, mut warnings: Vec<Fault>, planned: Option<&Planned>) -> R
     })
 }
 
-fn timed(model: Model) -> Closed {
+/// Closes a valve from its open state and takes the time.
+pub(crate) fn timed(model: Model) -> Closed {
     let start = Instant::now();
     let equilibrium = relax(&model, &State::open(&model));
     let wall_ms = start.elapsed().as_secs_f64() * 1e3;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use coapt::scene::{SpringBranches, default_bending_modulus_mpa};
+use coapt::scene::{SpringBranches, default_bending_modulus_mpa, default_compression_modulus_ratio};
 use coapt::tissue_fit::{BilinearFit, anisotropic_from_curve, area_equivalent, bilinear_from_curve};
 use coapt_io::biaxial::read_biaxial;
 use coapt_io::report::NOTICE;
@@ -22,11 +22,11 @@ pub(crate) struct Arguments {
     #[arg(long)]
     anisotropic: bool,
     /// Largest Cauchy stress that is followed [kPa]: that at which closed leaflets work, some 50 to 150
-    #[arg(long, value_name = "KPA", default_value_t = 100.0)]
-    up_to: f64,
+    #[arg(long = "up-to", value_name = "KPA", default_value_t = 100.0)]
+    up_to_kpa: f64,
     /// Thickness of the tissue [mm], for a table of tensions
-    #[arg(long, value_name = "MM")]
-    thickness: Option<f64>,
+    #[arg(long = "thickness", value_name = "MM")]
+    thickness_mm: Option<f64>,
     /// How the result is printed
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -36,16 +36,17 @@ const CURVE_HELP: &str = "A table with the columns stretch_circ, stretch_rad and
                           cauchy_stress_circ_kpa (or _mpa), nominal_stress_circ_kpa (or _mpa) or \
                           tension_circ_n_per_m (or _n_per_mm)";
 
-/// As the springs of scenes have by default.
-const COMPRESSION_MODULUS_RATIO: f64 = 1.0;
-
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    let points = read_biaxial(&arguments.curve, arguments.thickness)?;
-    let range_mpa = [0.0, 1e-3 * arguments.up_to];
+    let points = read_biaxial(&arguments.curve, arguments.thickness_mm)?;
+    let range_mpa = [0.0, 1e-3 * arguments.up_to_kpa];
     let fit = match arguments.anisotropic {
-        true => anisotropic_from_curve(&points, range_mpa, COMPRESSION_MODULUS_RATIO),
-        false => bilinear_from_curve(&area_equivalent(&points), range_mpa, COMPRESSION_MODULUS_RATIO),
+        true => anisotropic_from_curve(&points, range_mpa, default_compression_modulus_ratio()),
+        false => bilinear_from_curve(
+            &area_equivalent(&points),
+            range_mpa,
+            default_compression_modulus_ratio(),
+        ),
     };
     let name = arguments.curve.display().to_string();
     let fit = fit.map_err(|mut faults| {

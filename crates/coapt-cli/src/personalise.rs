@@ -12,14 +12,14 @@ use coapt::personalise::{
     ChordFit, FitSettings, FitStatus, Target, TargetDistance, Tried, annulus_closing_to, fit_chord_lengths,
 };
 use coapt::scene::{Fault, Scene};
-use coapt_io::atomic::write_text_atomically;
+use coapt_io::atomic::write_files;
 use coapt_io::mesh::{read_curve, read_mesh};
-use coapt_io::report::{Closed, Closure, NOTICE, Report, write_results};
+use coapt_io::report::{Closure, NOTICE, Report, write_results};
 use coapt_io::scene::{sentence, write_scene};
 use serde_json::json;
 
 use crate::case::{self, Source};
-use crate::closure::{Format, on_threads};
+use crate::closure::{Format, on_threads, timed};
 use crate::output::{Failure, Verdict, print, say};
 
 /// What `coapt personalise` understands.
@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         warnings: warnings.iter().map(sentence).collect(),
     };
     if let Some(folder) = &arguments.out {
-        write(folder, case.scene, &told)?;
+        write(folder, case.scene, &told, &warnings)?;
     }
     print(&match arguments.format {
         Format::Text => told.text(),
@@ -205,13 +205,8 @@ fn move_annulus(scene: &mut Scene, model: &Model) {
 }
 
 /// The scene with the fitted factors, the closed valve and the report; without a result the report alone.
-fn write(folder: &Path, mut scene: Scene, told: &Told) -> Result<(), Failure> {
-    let outside = |path: &Path, error: std::io::Error| {
-        Failure::Outside(Fault::error(path.display().to_string(), error.to_string()))
-    };
-    std::fs::create_dir_all(folder).map_err(|error| outside(folder, error))?;
-    let path = folder.join("personalise.json");
-    write_text_atomically(&path, told.json().as_bytes()).map_err(|error| outside(&path, error))?;
+fn write(folder: &Path, mut scene: Scene, told: &Told, warnings: &[Fault]) -> Result<(), Failure> {
+    write_files(folder, &[("personalise.json", told.json())]).map_err(Failure::Outside)?;
     let Some(tuned) = &told.fit.tuned else {
         return Ok(());
     };
@@ -219,15 +214,12 @@ fn write(folder: &Path, mut scene: Scene, told: &Told) -> Result<(), Failure> {
         group.rest_length_scale *= fitted.scale;
     }
     write_scene(folder, &scene).map_err(Failure::Outside)?;
+    // Closed once more, for the time that one closure takes; it is the fit's, to the last bit.
     let closure = Closure {
-        before: Closed {
-            model: tuned.model.clone(),
-            equilibrium: tuned.equilibrium.clone(),
-            wall_ms: told.wall_ms,
-        },
+        before: timed(tuned.model.clone()),
         after: None,
         repairs: Vec::new(),
-        warnings: Vec::new(),
+        warnings: warnings.to_vec(),
     };
     write_results(folder, &closure, &Report::new(&closure)).map_err(Failure::Outside)
 }

@@ -5,6 +5,8 @@ use std::io::{Error, ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use coapt::scene::Fault;
+
 /// Writes `bytes` to a new file beside `path`, then renames it to `path`, which replaces an old file there.
 ///
 /// # Errors
@@ -19,6 +21,24 @@ pub fn write_text_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
         let _ = std::fs::remove_file(&temporary);
     }
     renamed
+}
+
+/// Writes texts as files of a folder, which is made if need be; each as [`write_text_atomically`] does.
+///
+/// # Errors
+/// What the file system says, with the path that it speaks of.
+pub fn write_files(folder: &Path, files: &[(&str, String)]) -> std::result::Result<(), Fault> {
+    std::fs::create_dir_all(folder).map_err(|error| file_fault(folder, &error))?;
+    for (name, text) in files {
+        let path = folder.join(name);
+        write_text_atomically(&path, text.as_bytes()).map_err(|error| file_fault(&path, &error))?;
+    }
+    Ok(())
+}
+
+/// What the file system says of a path.
+pub fn file_fault(path: &Path, error: &dyn std::fmt::Display) -> Fault {
+    Fault::error(path.display().to_string(), error.to_string())
 }
 
 /// A new file in the folder of `path`: a rename is atomic only within one file system.

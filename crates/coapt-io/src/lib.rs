@@ -2,16 +2,16 @@
 
 pub mod atomic;
 
-pub mod compare;
-
-pub mod biaxial;
-
 pub mod mesh;
 
 pub mod scene;
 
+pub mod biaxial;
+
 pub mod export;
 
 pub mod report;
+
+pub mod compare;
 
 pub mod study;

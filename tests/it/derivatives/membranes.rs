@@ -35,11 +35,7 @@ fn neo_hookean() -> Law {
 
 /// The anterior mitral leaflet as May-Newman & Yin 1998 are often quoted.
 fn may_newman() -> Law {
-    Law::MayNewman(may_newman::Constants {
-        c0_mpa: 0.399e-3,
-        c1: 4.325,
-        c2: 1446.5,
-    })
+    Law::MayNewman(may_newman::ANTERIOR)
 }
 
 fn laws() -> [Law; 5] {

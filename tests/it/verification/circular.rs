@@ -84,8 +84,8 @@ fn follower_shooting_is_the_oracles() {
     }
 }
 
-/// Small pressure: Hencky's crown and volume within 1 % at 1000 triangles. They are 0.1 % at most, of which 0.05 % is that
-/// Hencky's load does not follow the surface.
+/// Small pressure: Hencky's crown within 0.3 % and volume within 0.5 % at 1000 triangles; they are 0.13 and 0.26 % off, of which
+/// 0.05 % is that Hencky's load does not follow the surface.
 #[test]
 fn a_spring_disk_rises_as_henckys() {
     let q: f64 = 1e-4;

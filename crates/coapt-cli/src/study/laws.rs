@@ -1,6 +1,6 @@
 //! `coapt study --laws`: closes one valve under every tissue law, so that a user can choose one.
 
-use coapt::energy::membrane::may_newman;
+use coapt::energy::membrane::may_newman::{ANTERIOR, POSTERIOR};
 use coapt::measure::{measure, visible_distance};
 use coapt::model::Model;
 use coapt::relax::{Equilibrium, relax};
@@ -16,18 +16,6 @@ use super::{Arguments, cases, prepare, timed};
 use crate::case::{self, Case, FACES_OF_A_PRESET};
 use crate::closure::on_threads;
 use crate::output::{Failure, Verdict, print, say};
-
-/// May-Newman & Yin 1998, as often quoted and not checked by us.
-const ANTERIOR: may_newman::Constants = may_newman::Constants {
-    c0_mpa: 0.399e-3,
-    c1: 4.325,
-    c2: 1446.5,
-};
-const POSTERIOR: may_newman::Constants = may_newman::Constants {
-    c0_mpa: 0.414e-3,
-    c1: 4.848,
-    c2: 305.4,
-};
 
 /// Runs the verb.
 pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {

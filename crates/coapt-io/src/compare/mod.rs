@@ -16,7 +16,7 @@ use coapt::measure::compare::{CompareSettings, Comparison, ErrorMap, compare};
 use coapt::scene::{Fault, Space};
 use serde::Serialize;
 
-use crate::atomic::write_text_atomically;
+use crate::atomic::write_files;
 use crate::mesh::{Array, PolyData, write_vtp};
 use crate::report::NOTICE;
 use crate::scene::sentence;
@@ -108,11 +108,7 @@ impl ComparisonReport {
 /// # Errors
 /// What the file system says.
 pub fn write_comparison(folder: &Path, result: &ReadSurface, report: &ComparisonReport) -> Result<(), Fault> {
-    let fault =
-        |path: &Path, error: std::io::Error| Fault::error(path.display().to_string(), error.to_string());
-    std::fs::create_dir_all(folder).map_err(|error| fault(folder, error))?;
-    let path = folder.join("comparison.json");
-    write_text_atomically(&path, report.json()?.as_bytes()).map_err(|error| fault(&path, error))?;
+    write_files(folder, &[("comparison.json", report.json()?)])?;
     write_vtp(
         &folder.join("error.vtp"),
         &error_map(&result.mesh, &report.comparison.map),

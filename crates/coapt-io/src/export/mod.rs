@@ -27,15 +27,14 @@ pub use calculix::calculix;
 pub use febio::febio;
 pub use results::read_positions;
 
-use crate::atomic::write_text_atomically;
+use crate::atomic::{file_fault, write_text_atomically};
 
 /// Writes an exported model.
 ///
 /// # Errors
 /// What the file system says; the old file is then untouched.
 pub fn write_export(path: &Path, text: &str) -> Result<(), Fault> {
-    write_text_atomically(path, text.as_bytes())
-        .map_err(|error| Fault::error(path.display().to_string(), error.to_string()))
+    write_text_atomically(path, text.as_bytes()).map_err(|error| file_fault(path, &error))
 }
 
 /// A line more. Writing to a string cannot fail.

@@ -18,7 +18,7 @@ use coapt::repair;
 use coapt::scene::Fault;
 
 use super::{Closed, Closure, Report};
-use crate::atomic::write_text_atomically;
+use crate::atomic::{file_fault, write_files};
 use crate::mesh::{Array, PolyData, write_vtp};
 
 /// Writes all results into a folder, which is made if need be; files of the same names are replaced. The same closure
@@ -27,10 +27,7 @@ use crate::mesh::{Array, PolyData, write_vtp};
 /// # Errors
 /// What the file system says.
 pub fn write_results(folder: &Path, closure: &Closure, report: &Report) -> Result<(), Fault> {
-    make(folder)?;
-    let path = folder.join("report.json");
-    write_text_atomically(&path, report.json()?.as_bytes())
-        .map_err(|error| Fault::error(path.display().to_string(), error.to_string()))?;
+    write_files(folder, &[("report.json", report.json()?)])?;
     let Some(after) = &closure.after else {
         remove_valve(&folder.join("before"))?;
         remove_valve(&folder.join("after"))?;
@@ -67,7 +64,7 @@ fn remove_valve(folder: &Path) -> Result<(), Fault> {
     for path in VALVE_FILES.map(|name| folder.join(name)) {
         match std::fs::remove_file(&path) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Fault::error(path.display().to_string(), error.to_string()));
+                return Err(file_fault(&path, &error));
             }
             _ => {}
         }
@@ -76,8 +73,7 @@ fn remove_valve(folder: &Path) -> Result<(), Fault> {
 }
 
 fn make(folder: &Path) -> Result<(), Fault> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Fault::error(folder.display().to_string(), error.to_string()))
+    std::fs::create_dir_all(folder).map_err(|error| file_fault(folder, &error))
 }
 
 fn write_valve(folder: &Path, closed: &Closed) -> Result<(), Fault> {

@@ -6,7 +6,7 @@ use coapt::scene::{Fault, LineMesh, Scene, Space, SurfaceMesh};
 
 use super::frame::turn_scene;
 use super::geometry::{AREA_ARRAY, REST_LENGTH_ARRAY};
-use crate::atomic::write_text_atomically;
+use crate::atomic::{file_fault, write_files};
 use crate::mesh::{Array, PolyData, write_vtp};
 
 /// Point array that is 1 on the annulus.
@@ -21,9 +21,7 @@ const DISPLACEMENT_ARRAY: &str = "annulus_displacement_mm";
 /// A mesh that no file can hold (a coordinate that is not finite, a point that does not exist), or what the file
 /// system says.
 pub fn write_scene(folder: &Path, scene: &Scene) -> Result<(), Fault> {
-    let told =
-        |path: &Path, error: std::io::Error| Fault::error(path.display().to_string(), error.to_string());
-    std::fs::create_dir_all(folder).map_err(|error| told(folder, error))?;
+    write_files(folder, &[])?;
     let mut scene = scene.clone();
     if scene.space == Space::RAS {
         turn_scene(&mut scene);
@@ -47,10 +45,8 @@ pub fn write_scene(folder: &Path, scene: &Scene) -> Result<(), Fault> {
         write_vtp(&folder.join(&file), &chord_data(&mesh))?;
         group.mesh_file = Some(file);
     }
-    let path = folder.join("scene.toml");
-    let text = toml::to_string(&scene)
-        .map_err(|error| Fault::error(path.display().to_string(), error.to_string()))?;
-    write_text_atomically(&path, text.as_bytes()).map_err(|error| told(&path, error))
+    let text = toml::to_string(&scene).map_err(|error| file_fault(&folder.join("scene.toml"), &error))?;
+    write_files(folder, &[("scene.toml", text)])
 }
 
 /// A name for a file that no other part has; letters that some file system minds become underscores.

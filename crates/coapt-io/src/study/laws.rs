@@ -8,8 +8,9 @@ use coapt::relax::Status;
 use coapt::scene::{Fault, Tissue, Wrinkling};
 use serde::Serialize;
 
+use super::json;
 use super::table::{short, status_name};
-use super::{json, write_all};
+use crate::atomic::write_files;
 
 /// The layout of `laws.json`.
 pub const LAWS_SCHEMA: &str = "coapt-laws/1";
@@ -101,7 +102,7 @@ impl LawRow {
 /// What the file system says.
 pub fn write_laws(folder: &Path, study: &LawStudy) -> Result<(), Fault> {
     let json = json(folder, study)?;
-    write_all(folder, &[("laws.csv", csv(study)), ("laws.json", json)])
+    write_files(folder, &[("laws.csv", csv(study)), ("laws.json", json)])
 }
 
 const COLUMNS: &str = "faces,law,wrinkling,curve_error,status,certified,residual,iterations,wall_ms,mesh_rms_mm,\

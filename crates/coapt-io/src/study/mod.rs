@@ -20,7 +20,7 @@ use coapt::relax::Status;
 use coapt::scene::Fault;
 use serde::Serialize;
 
-use crate::atomic::write_text_atomically;
+use crate::atomic::{file_fault, write_files};
 
 pub use front::{front, knee, mark};
 pub use laws::{
@@ -143,7 +143,7 @@ impl Study {
 /// What the file system says.
 pub fn write_study(folder: &Path, study: &Study) -> Result<(), Fault> {
     let json = json(folder, study)?;
-    write_all(
+    write_files(
         folder,
         &[
             ("study.csv", csv(study)),
@@ -154,21 +154,8 @@ pub fn write_study(folder: &Path, study: &Study) -> Result<(), Fault> {
 }
 
 fn json(folder: &Path, study: &impl Serialize) -> Result<String, Fault> {
-    let text = serde_json::to_string_pretty(study).map_err(|error| fault(folder, &error))?;
+    let text = serde_json::to_string_pretty(study).map_err(|error| file_fault(folder, &error))?;
     Ok(text + "\n")
-}
-
-fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), Fault> {
-    std::fs::create_dir_all(folder).map_err(|error| fault(folder, &error))?;
-    for (name, text) in files {
-        let path = folder.join(name);
-        write_text_atomically(&path, text.as_bytes()).map_err(|error| fault(&path, &error))?;
-    }
-    Ok(())
-}
-
-fn fault(path: &Path, error: &dyn std::fmt::Display) -> Fault {
-    Fault::error(path.display().to_string(), error.to_string())
 }
 
 #[cfg(test)]

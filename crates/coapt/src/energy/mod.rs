@@ -1,6 +1,6 @@
 //! The forces, one file per law: value, gradient and Hessian blocks.
 //!
-//! Every law offers the same three functions: `energy` [N·mm], `add_gradient` (minus the force, [N]) and
+//! Every law of tissue offers the same three functions: `energy` [N·mm], `add_gradient` (minus the force, [N]) and
 //! `add_hessian`, which hands its 3×3 blocks [N/mm] to a sink. A block `(i, j)` with `i != j` stands for itself
 //! and for its transpose at `(j, i)`. Which blocks come, and in which order, does not depend on the positions: a slack
 //! chord hands out zeros. So their places are looked up once.

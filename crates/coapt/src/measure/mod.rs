@@ -15,9 +15,11 @@ pub mod visible;
 
 pub(crate) mod atrial_view;
 mod distance;
+pub(crate) mod indexed_surface;
 mod plane;
 mod raster;
 mod seal;
+pub(crate) mod side;
 mod spanning;
 mod statistics;
 mod surface;

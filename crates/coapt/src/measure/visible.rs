@@ -7,10 +7,10 @@
 use serde::Serialize;
 
 use super::atrial_view::view_of;
-use super::distance::{point_triangle, triangle_area};
+use super::distance::triangle_area;
+use super::indexed_surface::IndexedSurface;
 use super::statistics::DistanceStatistics;
 use super::surface::{Surface, surface};
-use super::tree::{Tree, tree};
 use crate::Vec3;
 use crate::model::Model;
 
@@ -99,28 +99,17 @@ fn sample_face(corners: [Vec3; 3], samples: &mut Vec<Sample>) {
 /// A face is cut into this many parts along a side at most: 25 mm, beyond which it is no tissue.
 const MOST_CUTS: f64 = 100.0;
 
-/// The distance of each sample to a surface, with its area.
+/// The distance of each sample to a surface, with its area; none where that has no faces.
 fn distances(samples: &[Sample], s: &Surface) -> Vec<(f64, f64)> {
-    let tree = tree((0..s.faces.len() as u32).collect(), |face| s.corners(face));
-    let mut last: Option<(Vec3, f64)> = None;
-    let mut found = Vec::with_capacity(samples.len());
-    for sample in samples {
-        // No farther than the last point's distance and the way from there; a hair more for rounding.
-        let limit = last.map_or(f64::INFINITY, |(place, distance)| {
-            (distance + (sample.place - place).norm()) * (1.0 + 1e-9) + 1e-12
-        });
-        if let Some(distance) = nearest(&tree, s, sample.place, limit) {
-            last = Some((sample.place, distance));
-            found.push((distance, sample.area_mm2));
-        }
+    if s.faces.is_empty() {
+        return Vec::new();
     }
-    found
-}
-
-fn nearest(tree: &Tree, s: &Surface, place: Vec3, limit_mm: f64) -> Option<f64> {
-    tree.nearest(place, limit_mm, |face, best| {
-        Some(point_triangle(place, s.corners(face))).filter(|&distance| distance < best)
-    })
+    let places: Vec<Vec3> = samples.iter().map(|sample| sample.place).collect();
+    let feet = IndexedSurface::new(s.faces, s.positions_mm.to_vec()).feet(&places);
+    let distances = feet.iter().map(|foot| foot.distance_mm);
+    distances
+        .zip(samples.iter().map(|sample| sample.area_mm2))
+        .collect()
 }
 
 /// Statistics of distances with their areas.

@@ -1,16 +1,10 @@
 //! Which way fibres run: around the valve.
 
 use crate::Vec3;
-use crate::model::Model;
-
-/// The circumferential direction at each face of a model [1], shape `[face]`; those of the annulus where it is nearest.
-pub fn directions(model: &Model) -> Vec<Vec3> {
-    circumferential(&model.rest_mm, &model.faces, &model.annulus)
-}
 
 /// Unit vectors along the annulus where it is nearest to each face (our choice; collagen of both leaflets runs mainly so).
 /// `annulus` holds vertices in order around the orifice, or along a part of it. Without two of them: zeros.
-pub(crate) fn circumferential(rest_mm: &[Vec3], faces: &[[u32; 3]], annulus: &[u32]) -> Vec<Vec3> {
+pub(super) fn circumferential(rest_mm: &[Vec3], faces: &[[u32; 3]], annulus: &[u32]) -> Vec<Vec3> {
     let places: Vec<Vec3> = annulus.iter().map(|&vertex| rest_mm[vertex as usize]).collect();
     let count = places.len();
     if count < 2 {
@@ -32,7 +26,7 @@ pub(crate) fn circumferential(rest_mm: &[Vec3], faces: &[[u32; 3]], annulus: &[u
 #[cfg(test)]
 mod tests {
     use super::super::fixtures::{built, skirt};
-    use super::directions;
+    use super::circumferential;
     use crate::Vec3;
 
     /// A skirt of half axes 19 and 14 mm, all rows alike: fibres run as its ellipses do, (−19 sin θ, 14 cos θ). 0.96: the nearest
@@ -40,7 +34,8 @@ mod tests {
     #[test]
     fn fibres_run_around_the_valve() {
         let model = built(&skirt()).model;
-        for (face, direction) in model.faces.iter().zip(directions(&model)) {
+        let directions = circumferential(&model.rest_mm, &model.faces, &model.annulus);
+        for (face, direction) in model.faces.iter().zip(directions) {
             let centre = face.iter().map(|&v| model.rest_mm[v as usize]).sum::<Vec3>() / 3.0;
             let along = Vec3::new(-19.0 / 14.0 * centre.y, 14.0 / 19.0 * centre.x, 0.0).normalize();
             assert!((direction.norm() - 1.0).abs() < 1e-12);

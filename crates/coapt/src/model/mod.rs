@@ -10,7 +10,7 @@ mod cleaning;
 pub mod elasticity;
 mod facing;
 mod faults;
-pub mod fibres;
+mod fibres;
 #[cfg(test)]
 pub(crate) mod fixtures;
 mod hinges;

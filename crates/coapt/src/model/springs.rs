@@ -93,8 +93,7 @@ fn branches(leaflet: &LeafletTissue, along: Vec3, fibre: Vec3) -> Option<Branche
     })
 }
 
-/// X(φ) = X₀ cos⁴φ + X₉₀ sin⁴φ + 2 √(X₀ X₉₀) sin²φ cos²φ = (√X₀ cos²φ + √X₉₀ sin²φ)², φ from the fibres; without fibres,
-/// as along them.
+/// The branches along an edge; without fibres, as along them.
 fn between(
     circumferential: &SpringBranches,
     radial: &SpringBranches,
@@ -106,20 +105,7 @@ fn between(
         true => (along.dot(&fibre).powi(2) / lengths_squared).min(1.0),
         false => 1.0,
     };
-    let blend = |around: f64, outward: f64| {
-        (around.sqrt() * cosine_squared + outward.sqrt() * (1.0 - cosine_squared)).powi(2)
-    };
-    SpringBranches {
-        pre_transition_modulus_mpa: blend(
-            circumferential.pre_transition_modulus_mpa,
-            radial.pre_transition_modulus_mpa,
-        ),
-        transition_strain: blend(circumferential.transition_strain, radial.transition_strain),
-        post_transition_modulus_mpa: blend(
-            circumferential.post_transition_modulus_mpa,
-            radial.post_transition_modulus_mpa,
-        ),
-    }
+    SpringBranches::between(circumferential, radial, cosine_squared)
 }
 
 #[cfg(test)]

@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
-use super::signed_distance::feet;
 use crate::Vec3;
 use crate::measure::atrial_view::{AtrialView, view_of};
+use crate::measure::indexed_surface::{Foot, IndexedSurface};
+use crate::measure::side::signed;
 use crate::model::Model;
 
 /// Distances from the points of a target to the nearest place of a closed valve's surface.
@@ -36,13 +37,17 @@ pub(super) struct Misfit {
 /// Measures a closed valve against target points.
 pub(super) fn misfit(model: &Model, positions_mm: &[Vec3], points_mm: &[Vec3]) -> Misfit {
     let view = view_of(model, positions_mm);
-    let mut misfit = Misfit::default();
-    for foot in feet(&model.faces, positions_mm, points_mm).into_iter().flatten() {
-        misfit.distance_mm.push(foot.distance_mm);
-        let shows = |view: &AtrialView| view.sees(foot.place_mm);
-        misfit.visible.push(view.as_ref().is_none_or(shows));
+    let shows = |foot: &Foot| {
+        view.as_ref()
+            .is_none_or(|view: &AtrialView| view.sees(foot.place))
+    };
+    let surface = IndexedSurface::new(&model.faces, positions_mm.to_vec());
+    let feet = surface.feet(points_mm);
+    Misfit {
+        // The faces of a model wind alike.
+        distance_mm: signed(&surface, None, points_mm, &feet).unwrap_or_default(),
+        visible: feet.iter().map(shows).collect(),
     }
-    misfit
 }
 
 impl Misfit {

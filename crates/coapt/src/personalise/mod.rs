@@ -30,7 +30,6 @@ mod fit;
 mod misfit;
 mod parameters;
 mod regression;
-mod signed_distance;
 
 use serde::Serialize;
 

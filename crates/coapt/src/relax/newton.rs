@@ -30,7 +30,8 @@ const EXACT_BELOW: f64 = 0.3;
 /// last [1] for so many steps.
 const CRAWLING: f64 = 0.9;
 const CRAWL_LIMIT: u32 = 4;
-/// Or where it goes round: a two-cycle without pressure in the tangent changes the residual by half a per cent to and fro [1].
+/// Or where it goes round: a two-cycle without pressure in the tangent changes the residual by half a per cent to and fro [1];
+/// a rise by more is the way of a valve that is still closing.
 const GOING_ROUND: f64 = 1.02;
 /// Relative residual of a Newton step [1]: Newton squares its error at best, and far away it cannot use more.
 const NEWTON_TOLERANCE: f64 = 1e-2;
@@ -78,7 +79,7 @@ pub(super) struct Newton<'a> {
     crawled: u32,
     damping: f64,
     exact_damping: f64,
-    /// The least damping that made the last exact tangent positive definite.
+    /// The first of the dampings tried that made the last exact tangent positive definite.
     factor_damping: f64,
     /// Minus the force on each vertex where the valve now is [N], shape `[vertex]`.
     pub(super) gradient: Vec<Vec3>,
@@ -263,7 +264,7 @@ impl<'a> Newton<'a> {
         false
     }
 
-    /// Factorises the exact tangent with the least damping that makes it positive definite, from the present one upwards or
+    /// Factorises the exact tangent with the first damping that makes it positive definite, from the present one upwards or
     /// from just below what the last tangent needed, which steps without damping do not tell: that damping, if any of those
     /// tried does.
     fn factorise_exact(&mut self) -> Option<f64> {

@@ -13,10 +13,9 @@ use crate::Vec3;
 use crate::energy::chord_law::response;
 use crate::model::Model;
 
-/// What soft chordae give under their share of the load [mm].
+/// What soft chordae give under their share of the load [mm]: what mitral ones do.
 pub(super) const SOFT_MM: f64 = 0.1;
-/// Chordae more than so many times as stiff are softened, and stiffened by as much from stage to stage [1]. At 5 there are more
-/// stages, at 25 each takes longer; together as many iterations. Softened to the same give where they are a few times as stiff,
+/// Chordae more than so many times as stiff are softened, and stiffened by as much from stage to stage [1]; our choice. Softened to the same give where they are a few times as stiff,
 /// the healthy valve takes 39 iterations instead of 48 and that of Barlow 68 instead of 61: not worth another road.
 const STAGE: f64 = 10.0;
 /// Residual at which a stage ends [1], and the iterations after which the next begins all the same: it is only a way.
@@ -36,11 +35,15 @@ pub(super) fn stiffen(model: &Model, positions: &mut Vec<Vec3>, history: &mut Ve
     }
 }
 
-/// The model with chordae so thin that each gives at least so much under its share of the pressure's force; nothing where all
+/// The model with chordae so thin that each gives at least so much under its share of the nodal forces that residuals are
+/// measured by, those of pressure where there is any; nothing where all
 /// keep a tenth of their cross-sections.
 pub(super) fn softened(model: &Model, give_mm: f64) -> Option<Model> {
     let chords = &model.chords;
-    let count = chords.ends.len().max(1) as f64;
+    if chords.ends.is_empty() {
+        return None;
+    }
+    let count = chords.ends.len() as f64;
     let share_n = reference_force_n(model) * model.leaflet_vertex_count as f64 / count;
     let part_left = |index: usize| {
         let law = &chords.laws[chords.group[index] as usize];

@@ -10,7 +10,10 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use chordae::default_insertion_radius_mm;
 pub use chordae::{ChordGroup, ChordLaw, LineMesh};
-pub use tissue::{SpringBranches, Tissue, Wrinkling, default_bending_modulus_mpa};
+pub use tissue::{
+    SpringBranches, Tissue, Wrinkling, default_bending_modulus_mpa, default_compression_modulus_ratio,
+    default_poisson_ratio,
+};
 
 /// The scene layout that this version reads and writes.
 pub const SCHEMA_VERSION: u32 = 1;

@@ -105,6 +105,21 @@ pub struct SpringBranches {
     pub post_transition_modulus_mpa: f64,
 }
 
+impl SpringBranches {
+    /// The branches in a direction between two, given the square of the cosine to the first: X(φ) = (√X₀ cos²φ + √X₉₀ sin²φ)²,
+    /// which is the form of [`Tissue::AnisotropicSprings`].
+    pub fn between(first: &Self, second: &Self, cosine_squared: f64) -> Self {
+        let blend = |of: fn(&Self) -> f64| {
+            (of(first).sqrt() * cosine_squared + of(second).sqrt() * (1.0 - cosine_squared)).powi(2)
+        };
+        Self {
+            pre_transition_modulus_mpa: blend(|branches| branches.pre_transition_modulus_mpa),
+            transition_strain: blend(|branches| branches.transition_strain),
+            post_transition_modulus_mpa: blend(|branches| branches.post_transition_modulus_mpa),
+        }
+    }
+}
+
 /// What a membrane does under compression.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -134,7 +149,7 @@ fn default_post_transition_modulus_mpa() -> f64 {
 }
 
 /// Our choice: the soft branch goes on into compression. Much softer and the margin crumples at mesh scale.
-fn default_compression_modulus_ratio() -> f64 {
+pub fn default_compression_modulus_ratio() -> f64 {
     1.0
 }
 
@@ -153,7 +168,7 @@ pub fn default_bending_modulus_mpa() -> f64 {
 }
 
 /// Incompressible (paper 002).
-fn default_poisson_ratio() -> f64 {
+pub fn default_poisson_ratio() -> f64 {
     0.5
 }
 

@@ -9,7 +9,10 @@ use super::curve::{STRESS_RATIOS, curve_of_law};
 use super::membranes::{exponential_from_curve, st_venant_kirchhoff_from_curve};
 use super::{BiaxialPoint, anisotropic_from_curve, area_equivalent, bilinear_from_curve};
 use crate::energy::membrane::{Law, may_newman};
-use crate::scene::{Fault, Tissue, Wrinkling, default_bending_modulus_mpa};
+use crate::scene::{
+    Fault, Tissue, Wrinkling, default_bending_modulus_mpa, default_compression_modulus_ratio,
+    default_poisson_ratio,
+};
 
 /// Largest Cauchy stress of the curve that is followed [MPa]: closed leaflets work at 50 to 150 kPa.
 pub const MOST_STRESS_MPA: f64 = 0.1;
@@ -47,10 +50,6 @@ pub fn in_each_law(constants: &may_newman::Constants) -> Result<Vec<Told>, Vec<F
 /// Points of each curve, as many as the tests of the fits have.
 const POINTS: usize = 60;
 const RANGE_MPA: [f64; 2] = [0.0, MOST_STRESS_MPA];
-/// As springs of scenes have by default.
-const COMPRESSION_MODULUS_RATIO: f64 = 1.0;
-/// Incompressible.
-const POISSON_RATIO: f64 = 0.5;
 
 fn wrinkled(told: impl Fn(Wrinkling) -> Told) -> Vec<Told> {
     [Wrinkling::Resolved, Wrinkling::TensionField].map(told).to_vec()
@@ -67,14 +66,14 @@ fn itself(constants: &may_newman::Constants, wrinkling: Wrinkling) -> Tissue {
 }
 
 fn isotropic_springs(area: &[BiaxialPoint]) -> Result<Told, Vec<Fault>> {
-    let fit = bilinear_from_curve(area, RANGE_MPA, COMPRESSION_MODULUS_RATIO)?;
+    let fit = bilinear_from_curve(area, RANGE_MPA, default_compression_modulus_ratio())?;
     let branches = fit.circumferential;
     Ok(Told {
         tissue: Tissue::BilinearSprings {
             pre_transition_modulus_mpa: branches.pre_transition_modulus_mpa,
             transition_strain: branches.transition_strain,
             post_transition_modulus_mpa: branches.post_transition_modulus_mpa,
-            compression_modulus_ratio: COMPRESSION_MODULUS_RATIO,
+            compression_modulus_ratio: default_compression_modulus_ratio(),
             bending_modulus_ratio: default_bending_modulus_mpa() / branches.pre_transition_modulus_mpa,
         },
         relative_error: fit.rms_error_mpa / fit.rms_stress_mpa,
@@ -82,12 +81,12 @@ fn isotropic_springs(area: &[BiaxialPoint]) -> Result<Told, Vec<Fault>> {
 }
 
 fn springs_with_a_direction(both: &[BiaxialPoint]) -> Result<Told, Vec<Fault>> {
-    let fit = anisotropic_from_curve(both, RANGE_MPA, COMPRESSION_MODULUS_RATIO)?;
+    let fit = anisotropic_from_curve(both, RANGE_MPA, default_compression_modulus_ratio())?;
     Ok(Told {
         tissue: Tissue::AnisotropicSprings {
             circumferential: fit.circumferential,
             radial: fit.radial,
-            compression_modulus_ratio: COMPRESSION_MODULUS_RATIO,
+            compression_modulus_ratio: default_compression_modulus_ratio(),
             bending_modulus_mpa: default_bending_modulus_mpa(),
         },
         relative_error: fit.rms_error_mpa / fit.rms_stress_mpa,
@@ -95,7 +94,7 @@ fn springs_with_a_direction(both: &[BiaxialPoint]) -> Result<Told, Vec<Fault>> {
 }
 
 fn st_venant_kirchhoff(area: &[BiaxialPoint]) -> Result<Vec<Told>, Vec<Fault>> {
-    let fit = st_venant_kirchhoff_from_curve(area, RANGE_MPA, POISSON_RATIO)?;
+    let fit = st_venant_kirchhoff_from_curve(area, RANGE_MPA, default_poisson_ratio())?;
     Ok(wrinkled(|wrinkling| Told {
         tissue: Tissue::StVenantKirchhoff {
             modulus_mpa: fit.constants.modulus_mpa,

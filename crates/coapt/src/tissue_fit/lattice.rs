@@ -26,7 +26,7 @@ pub fn nominal_stress_mpa(
     stretch: [f64; 2],
 ) -> [f64; 2] {
     sum(stretch, |cosine_squared, strain| {
-        let between = between(branches, cosine_squared);
+        let between = SpringBranches::between(&branches[0], &branches[1], cosine_squared);
         let (soft, stiff) = parts(strain, between.transition_strain, compression_modulus_ratio);
         between.pre_transition_modulus_mpa * soft + between.post_transition_modulus_mpa * stiff
     })
@@ -53,16 +53,4 @@ pub(super) fn sum(stretch: [f64; 2], stress: impl Fn(f64, f64) -> f64) -> [f64; 
         }
     }
     total
-}
-
-/// Constants of a direction as the model has them: X(φ) = (√X₀ cos²φ + √X₉₀ sin²φ)².
-fn between([first, second]: &[SpringBranches; 2], cosine_squared: f64) -> SpringBranches {
-    let blend = |of: fn(&SpringBranches) -> f64| {
-        (of(first).sqrt() * cosine_squared + of(second).sqrt() * (1.0 - cosine_squared)).powi(2)
-    };
-    SpringBranches {
-        pre_transition_modulus_mpa: blend(|b| b.pre_transition_modulus_mpa),
-        transition_strain: blend(|b| b.transition_strain),
-        post_transition_modulus_mpa: blend(|b| b.post_transition_modulus_mpa),
-    }
 }

@@ -25,19 +25,11 @@ fn assert_near(found: SpringBranches, due: SpringBranches, tolerance: f64) {
 }
 
 fn anterior() -> Law {
-    Law::MayNewman(may_newman::Constants {
-        c0_mpa: 0.399e-3,
-        c1: 4.325,
-        c2: 1446.5,
-    })
+    Law::MayNewman(may_newman::ANTERIOR)
 }
 
 fn posterior() -> Law {
-    Law::MayNewman(may_newman::Constants {
-        c0_mpa: 0.414e-3,
-        c1: 4.848,
-        c2: 305.4,
-    })
+    Law::MayNewman(may_newman::POSTERIOR)
 }
 
 /// Stretched alike in both directions a lattice bears P = 3/2 σ, whatever way it lies; 1e-14 is rounding.

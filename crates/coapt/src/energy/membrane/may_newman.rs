@@ -19,6 +19,20 @@ pub struct Constants {
     pub c2: f64,
 }
 
+/// Porcine anterior mitral leaflet (May-Newman & Yin 1998), as often quoted; not checked by us against the paper.
+pub const ANTERIOR: Constants = Constants {
+    c0_mpa: 0.399e-3,
+    c1: 4.325,
+    c2: 1446.5,
+};
+
+/// Porcine posterior mitral leaflet, likewise.
+pub const POSTERIOR: Constants = Constants {
+    c0_mpa: 0.414e-3,
+    c1: 4.848,
+    c2: 305.4,
+};
+
 /// Energy, stress and tangent at a metric.
 #[inline(always)]
 pub fn response(constants: &Constants, metric: &Metric) -> Response {

@@ -3,9 +3,9 @@
 use nalgebra::{Isometry3, Matrix6, Translation3, UnitQuaternion, Vector6};
 use serde::Serialize;
 
-use super::indexed::{Foot, IndexedSurface};
 use super::kabsch::kabsch;
 use crate::Vec3;
+use crate::measure::indexed_surface::{Foot, IndexedSurface};
 
 /// The rigid motion of the result that makes the root mean square distance to the reference least, and how it was
 /// found. A point x goes to `rotation · x + offset_mm`.
@@ -253,8 +253,8 @@ mod tests {
         result.points_mm.iter_mut().for_each(bump);
         let motion = Isometry3::new(Vec3::new(1.0, 1.0, 0.5), Vec3::new(0.02, 0.03, -0.02));
         let result = moved(&result, &motion);
-        let here = IndexedSurface::new(&result, result.points_mm.clone());
-        let there = IndexedSurface::new(&reference, reference.points_mm.clone());
+        let here = IndexedSurface::new(&result.faces, result.points_mm.clone());
+        let there = IndexedSurface::new(&reference.faces, reference.points_mm.clone());
         let fast = on_surface(&here, &there);
         let fit = Fit::new(&here, &there);
         let mut motion = Isometry3::identity();

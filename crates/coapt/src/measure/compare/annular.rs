@@ -1,8 +1,8 @@
 //! The annular planes of plain surfaces, along whose normals they are seen from the atrium.
 
-use super::indexed::IndexedSurface;
 use super::{CompareSettings, ComparedSurface};
 use crate::Vec3;
+use crate::measure::indexed_surface::IndexedSurface;
 use crate::measure::plane::{AnnularPlane, annular_plane, length_closed, vector_area};
 use crate::mesh::topology::{boundary_edges, chains, components, edges};
 use crate::scene::Fault;

@@ -1,10 +1,10 @@
 //! What can be compared, and what should not be.
 
-use super::indexed::IndexedSurface;
 use super::{CompareSettings, ComparedSurface};
 use crate::Vec3;
 use crate::measure::FARTHEST_MM;
 use crate::measure::distance::triangle_area;
+use crate::measure::indexed_surface::IndexedSurface;
 use crate::scene::Fault;
 
 /// All that stands against a comparison.

@@ -7,11 +7,9 @@
 mod align;
 mod annular;
 mod checks;
-mod indexed;
 mod kabsch;
 mod regions;
 mod rows;
-mod side;
 #[cfg(test)]
 mod tests;
 
@@ -23,7 +21,7 @@ use crate::scene::{Contact, Fault};
 pub use align::{Alignment, AlignmentMethod};
 pub use rows::{Definitions, Regions};
 
-use indexed::IndexedSurface;
+use super::{indexed_surface::IndexedSurface, side};
 
 /// A surface that is compared: plain triangles, with what is known of them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -130,8 +128,8 @@ pub fn compare(
 ) -> Result<Comparison, Vec<Fault>> {
     checks::check(result, reference, settings)?;
     let mut warnings = Vec::new();
-    let here = IndexedSurface::new(result, result.points_mm.clone());
-    let there = IndexedSurface::new(reference, reference.points_mm.clone());
+    let here = IndexedSurface::new(&result.faces, result.points_mm.clone());
+    let there = IndexedSurface::new(&reference.faces, reference.points_mm.clone());
     warnings.extend(checks::apart(result, &here, reference, &there));
     let planes = annular::planes([(result, &here), (reference, &there)], settings, &mut warnings);
     let seen_here = regions::masks(result, &here, planes[0], settings.contact_thickness_mm);
@@ -143,7 +141,7 @@ pub fn compare(
         false => align::on_surface(&here, &there),
     };
     let moved = result.points_mm.iter().map(|&p| alignment.moved(p)).collect();
-    let moved = IndexedSurface::new(result, moved);
+    let moved = IndexedSurface::new(&result.faces, moved);
     let sides = [&seen_here, &seen_there];
     let (as_given, feet) = rows::regions([&here, &there], sides, nodes_correspond);
     let (aligned, aligned_feet) = rows::regions([&moved, &there], sides, nodes_correspond);

@@ -1,8 +1,8 @@
 //! Which parts of a surface are seen, and which are in contact.
 
 use super::ComparedSurface;
-use super::indexed::IndexedSurface;
 use crate::measure::atrial_view::atrial_view;
+use crate::measure::indexed_surface::IndexedSurface;
 use crate::measure::plane::AnnularPlane;
 
 /// What is known of a surface's parts.

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::indexed::{Foot, IndexedSurface};
 use super::regions::{Mask, Masks};
+use crate::measure::indexed_surface::{Foot, IndexedSurface};
 use crate::measure::statistics::DistanceStatistics;
 
 /// The distances on the whole surface and on its parts. Parts are parts of where distances are measured from; the

@@ -77,10 +77,10 @@ fn centroids_are_inflated_by_a_quarter_of_an_edge() {
         // Squares sheared so that their diagonals, from low to high x and y, are as long as their sides.
         *p = Vec3::new(p.x - 0.5 * p.y, p.y * 0.75f64.sqrt(), 0.0);
     }
-    let indexed = IndexedSurface::new(&reference, reference.points_mm.clone());
+    let indexed = IndexedSurface::new(&reference.faces, reference.points_mm.clone());
     assert!((indexed.mean_edge_mm() - 1.0).abs() < 1e-12);
     let result = flat(10, 8.1);
-    let centroids = IndexedSurface::new(&result, result.points_mm.clone()).centroids_mm;
+    let centroids = IndexedSurface::new(&result.faces, result.points_mm.clone()).centroids_mm;
     let (mut mean, mut square) = (0.0, 0.0);
     for k in 0..200 {
         // An even scatter of shifts over one rhomb (Roberts' sequence).

@@ -159,7 +159,7 @@ fn the_side_is_true_at_a_spike() {
     let around: Vec<Vec3> = ring
         .map(|a| Vec3::new(0.3 * a.cos(), 0.3 * a.sin(), 10.1))
         .collect();
-    let surface = IndexedSurface::new(&spike, spike.points_mm.clone());
+    let surface = IndexedSurface::new(&spike.faces, spike.points_mm.clone());
     let outside = side::signed(&surface, None, &around, &surface.feet(&around)).unwrap();
     assert!(outside.iter().all(|&d| d > 0.0), "{outside:?}");
     let inside: Vec<Vec3> = around

@@ -2,42 +2,40 @@
 
 use rayon::prelude::*;
 
-use super::ComparedSurface;
+use super::distance::triangle_area;
+use super::plane::vector_area;
+use super::tree::{Tree, tree};
 use crate::Vec3;
 use crate::contact::nearest::point_triangle;
-use crate::measure::distance::triangle_area;
-use crate::measure::plane::vector_area;
-use crate::measure::tree::{Tree, tree};
 
-/// A surface in some position, with areas and trees.
-pub(super) struct IndexedSurface<'a> {
+/// A surface in some position, with areas and a tree.
+pub(crate) struct IndexedSurface<'a> {
     /// Triangles.
-    pub(super) faces: &'a [[u32; 3]],
+    pub(crate) faces: &'a [[u32; 3]],
     /// Where its points are [mm], shape `[point]`.
-    pub(super) points_mm: Vec<Vec3>,
+    pub(crate) points_mm: Vec<Vec3>,
     /// Whether a face uses the point, shape `[point]`.
-    pub(super) used: Vec<bool>,
+    pub(crate) used: Vec<bool>,
     /// A third of the area of the faces about each point [mm²], shape `[point]`.
-    pub(super) point_area_mm2: Vec<f64>,
+    pub(crate) point_area_mm2: Vec<f64>,
     /// Shape `[face]`.
-    pub(super) face_area_mm2: Vec<f64>,
+    pub(crate) face_area_mm2: Vec<f64>,
     /// Shape `[face]`.
-    pub(super) centroids_mm: Vec<Vec3>,
+    pub(crate) centroids_mm: Vec<Vec3>,
     face_tree: Tree,
-    centroid_tree: Tree,
 }
 
 /// The nearest point of a surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Foot {
+pub(crate) struct Foot {
     /// The face that it lies on.
-    pub(super) face: usize,
+    pub(crate) face: usize,
     /// Its weights on the corners of the face [1]; exactly zero off a corner.
-    pub(super) weights: [f64; 3],
+    pub(crate) weights: [f64; 3],
     /// Where it is [mm].
-    pub(super) place: Vec3,
+    pub(crate) place: Vec3,
     /// How far away [mm].
-    pub(super) distance_mm: f64,
+    pub(crate) distance_mm: f64,
 }
 
 /// Points that are searched for one after the other, so that each search starts from what the last one found. A fixed
@@ -45,11 +43,9 @@ pub(super) struct Foot {
 const IN_TURN: usize = 256;
 
 impl<'a> IndexedSurface<'a> {
-    /// A surface that was checked, with its points at these places, shape `[point]`.
-    pub(super) fn new(surface: &'a ComparedSurface, points_mm: Vec<Vec3>) -> Self {
-        let faces = &surface.faces[..];
+    /// A surface of sound faces, with its points at these places, shape `[point]`.
+    pub(crate) fn new(faces: &'a [[u32; 3]], points_mm: Vec<Vec3>) -> Self {
         let corners = |face: usize| faces[face].map(|v| points_mm[v as usize]);
-        let all = || (0..faces.len() as u32).collect();
         let mut used = vec![false; points_mm.len()];
         let mut point_area_mm2 = vec![0.0; points_mm.len()];
         let face_area_mm2: Vec<f64> = (0..faces.len()).map(|f| triangle_area(corners(f))).collect();
@@ -61,8 +57,7 @@ impl<'a> IndexedSurface<'a> {
         }
         let centroid = |face| corners(face).iter().sum::<Vec3>() / 3.0;
         let centroids_mm: Vec<Vec3> = (0..faces.len()).map(centroid).collect();
-        let face_tree = tree(all(), corners);
-        let centroid_tree = tree(all(), |face| [centroids_mm[face]; 3]);
+        let face_tree = tree((0..faces.len() as u32).collect(), corners);
         Self {
             faces,
             points_mm,
@@ -71,17 +66,16 @@ impl<'a> IndexedSurface<'a> {
             face_area_mm2,
             centroids_mm,
             face_tree,
-            centroid_tree,
         }
     }
 
     /// The corners of a face.
-    pub(super) fn corners(&self, face: usize) -> [Vec3; 3] {
+    pub(crate) fn corners(&self, face: usize) -> [Vec3; 3] {
         self.faces[face].map(|v| self.points_mm[v as usize])
     }
 
     /// Mean length of the sides of all faces [mm].
-    pub(super) fn mean_edge_mm(&self) -> f64 {
+    pub(crate) fn mean_edge_mm(&self) -> f64 {
         let around = |face| {
             let [a, b, c] = self.corners(face);
             (b - a).norm() + (c - b).norm() + (a - c).norm()
@@ -90,27 +84,27 @@ impl<'a> IndexedSurface<'a> {
     }
 
     /// Middle of the surface, by area [mm].
-    pub(super) fn middle_mm(&self) -> Vec3 {
+    pub(crate) fn middle_mm(&self) -> Vec3 {
         let parts = self.centroids_mm.iter().zip(&self.face_area_mm2);
         parts.map(|(centroid, area)| centroid * *area).sum::<Vec3>() / self.face_area_mm2.iter().sum::<f64>()
     }
 
     /// Sum of the area vectors of all faces [mm²]: where the surface looks on the whole.
-    pub(super) fn looks_mm2(&self) -> Vec3 {
+    pub(crate) fn looks_mm2(&self) -> Vec3 {
         (0..self.faces.len())
             .map(|face| vector_area(&self.corners(face)))
             .sum()
     }
 
     /// The lowest and the highest corner of the box about the surface [mm].
-    pub(super) fn bounds_mm(&self) -> [Vec3; 2] {
+    pub(crate) fn bounds_mm(&self) -> [Vec3; 2] {
         let used = self.points_mm.iter().zip(&self.used).filter(|part| *part.1);
         let empty = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
         used.fold(empty, |[low, high], (p, _)| [low.inf(p), high.sup(p)])
     }
 
-    /// The nearest point of this surface to each place.
-    pub(super) fn feet(&self, places: &[Vec3]) -> Vec<Foot> {
+    /// The nearest point of this surface, which has faces, to each place.
+    pub(crate) fn feet(&self, places: &[Vec3]) -> Vec<Foot> {
         let nearest = |place: Vec3, limit: f64| {
             let nearer = |face: usize, best: f64| {
                 Some(self.foot(place, face).distance_mm).filter(|&distance| distance < best)
@@ -128,9 +122,11 @@ impl<'a> IndexedSurface<'a> {
     }
 
     /// The distance of each place to the nearest centroid of a face [mm].
-    pub(super) fn to_centroids(&self, places: &[Vec3]) -> Vec<f64> {
+    pub(crate) fn to_centroids(&self, places: &[Vec3]) -> Vec<f64> {
+        let all = (0..self.faces.len() as u32).collect();
+        let centroid_tree = tree(all, |face| [self.centroids_mm[face]; 3]);
         let nearest = |place: Vec3, limit: f64| {
-            self.centroid_tree.nearest(place, limit, |face, best| {
+            centroid_tree.nearest(place, limit, |face, best| {
                 Some((place - self.centroids_mm[face]).norm()).filter(|&distance| distance < best)
             })
         };
