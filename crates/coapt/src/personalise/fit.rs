@@ -172,7 +172,8 @@ fn descend(
     Some((here, last?, true))
 }
 
-/// The intervals of 95 %: from the curvature of the misfit, and to the end of the range where a probe finds it flat.
+/// The intervals of 95 %: from the curvature of the misfit, and to the end of the range where a probe finds it flat, or did
+/// not converge and so tells nothing.
 fn intervals(
     closures: &mut Closures,
     closed: &Closed,
@@ -186,7 +187,7 @@ fn intervals(
     let rises = |probe: &Option<Closed>| {
         let told =
             |probe: &Closed| probe.misfit.of_all().rms_mm > (1.0 + SLIP) * closed.misfit.of_all().rms_mm;
-        probe.as_ref().is_none_or(told)
+        probe.as_ref().is_some_and(told)
     };
     let reaches = regression.reaches(settings);
     let [least, most] = settings.scale_range;
