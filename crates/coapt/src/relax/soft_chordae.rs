@@ -2,7 +2,7 @@
 //!
 //! A stiff rod that passes from slack to taut within a step throws the valve about: it carries nothing, then a hundred times
 //! its load, and every such kink costs iterations. What a chord gives under its share of the load, mitral chordae 0.1 mm,
-//! those of the tricuspid valve in `tests/it/texas.rs` 0.004 mm, hardly matters to the shape. So a valve whose chordae are far
+//! those of the tricuspid valve in `tests/it/texas/` 0.004 mm, hardly matters to the shape. So a valve whose chordae are far
 //! stiffer than the former closes with softer ones first, on coarse meshes always, on its own in stages, in which taut
 //! chordae stay taut. Without it, residuals at that valve's chordae stay above 1 for 250 iterations.
 
