@@ -168,7 +168,8 @@ impl Published {
     /// The node that each vertex of a model made of these tables is, by the place where it began.
     fn nodes_of(&self, model: &Model) -> Vec<usize> {
         let key = |p: Vec3| [p.x, p.y, p.z].map(|x| (x * 1e5).round() as i64);
-        let places = self.nodes.iter().enumerate();
+        // Chordae have nodes of their own where they meet a leaflet; the leaflet's come first, and stay.
+        let places = self.nodes.iter().enumerate().rev();
         let node_at: HashMap<[i64; 3], usize> =
             places.map(|(node, row)| (key(point(row, OPEN)), node)).collect();
         model.rest_mm.iter().map(|place| node_at[&key(*place)]).collect()
