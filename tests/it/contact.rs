@@ -116,6 +116,7 @@ fn the_pair_list_holds_every_pair_in_reach() {
             positions_mm: &here,
             thickness_mm: thickness,
             rigid_fraction: 0.5,
+            kept_fraction: 0.0,
         };
         let mut found = Vec::new();
         list.gather(&place, &step, &mut found);
@@ -183,6 +184,7 @@ fn bounded_steps_never_tunnel() {
                 positions_mm: &positions,
                 thickness_mm: 0.1,
                 rigid_fraction: 0.5,
+                kept_fraction: 0.0,
             };
             bound_steps(&mut list, &place, &mut step, &mut found, &mut allowances);
             // Wherever each vertex stops on its way, nothing crosses.

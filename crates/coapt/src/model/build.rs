@@ -6,7 +6,7 @@ use super::elasticity::{Elasticity, Sheet, elasticity};
 use super::faults::Faults;
 use super::surface::{self, Surface};
 use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
-use super::{annulus_checks, cleaning, facing, mesh_quality, validate};
+use super::{annulus_checks, cleaning, facing, mesh_quality, untangle, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
 use crate::mesh::polyline;
@@ -53,6 +53,16 @@ impl Model {
         faults.stop()?;
         let mut found = found.ok_or_else(Vec::new)?;
         facing::face_atrium(&mut surface, &mut found, &mut loops, &tips, &mut faults);
+        if scene.contact.is_on() {
+            let thickness_mm = scene.contact.thickness_mm;
+            untangle::untangle(
+                &mut surface,
+                &edges,
+                &found.annulus.vertices,
+                thickness_mm,
+                &mut faults,
+            );
+        }
         let strung = chordae::string(scene, &surface, &tips, &mut faults);
         check_ties(&surface, &edges, &found, &strung, &mut faults);
         annulus_checks::check_insertions(&surface, &found, &strung.chords.points, &mut faults);

@@ -20,6 +20,7 @@ pub mod mesh_quality;
 mod springs;
 mod strands;
 mod surface;
+mod untangle;
 mod validate;
 mod validate_numbers;
 mod validate_tissue;
