@@ -5,7 +5,7 @@ use coapt::energy::pressure;
 use coapt::measure::measure;
 use coapt::mesh::parametric::Preset;
 use coapt::model::Model;
-use coapt::relax::{Equilibrium, Status, relax, relax_all};
+use coapt::relax::{Equilibrium, Interactive, Status, relax, relax_all};
 use coapt::state::State;
 use coapt::{Mat3, Vec3};
 use coapt_tests::{close, preset_model};
@@ -187,6 +187,30 @@ fn a_tangled_start_is_untangled_and_said_to_be_so() {
         untangled.places > 0 && untangled.farthest_mm > 1.0 && untangled.farthest_mm < across.norm() * 4.0
     );
     assert!(equilibrium.certificate.is_certified(equilibrium.status));
+    // The open valve crosses nowhere and is begun from as it is. One that crosses itself when open has nobody to ask.
+    assert_eq!(close(&model).untangled, None);
+    let mut crossed = model.clone();
+    crossed.rest_mm.clone_from(&start.positions_mm);
+    let end = relax(&crossed, &start);
+    assert_eq!((end.status, end.state), (Status::TangledStart, start));
+    assert!(!end.certificate.crossings.is_empty() && !end.certificate.is_certified(end.status));
+}
+
+#[test]
+fn what_is_not_a_number_ends_as_stalled() {
+    let model = preset_model(Preset::Restricted, 300, 0.0, 0);
+    let closed = close(&model);
+    let mut targets: Vec<Vec3> = model.prescribed.iter().map(|held| held.target_mm).collect();
+    targets[3].x = f64::NAN;
+    let mut start = State::open(&model);
+    start.positions_mm[5].y = f64::NAN;
+    for end in [
+        Interactive::new(&model, &closed).close(&targets),
+        relax(&model, &start),
+    ] {
+        assert_eq!(end.status, Status::Stalled);
+        assert!(!end.certificate.is_certified(end.status));
+    }
 }
 
 #[test]

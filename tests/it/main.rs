@@ -12,7 +12,6 @@ mod kaiser;
 mod laws;
 mod personalise;
 mod roads;
-mod stress;
 mod tables;
 mod texas;
 mod verification;

@@ -194,7 +194,7 @@ fn a_tangled_start_is_told() {
     heights.sort_unstable_by(f64::total_cmp);
     let middle = heights[heights.len() / 2];
     for point in mesh.points.iter_mut().filter(|point| point[2] < middle - 2.0) {
-        point[1] += 25.0;
+        point[1] -= 25.0;
     }
     coapt_io::mesh::write_vtp(&leaflet, &mesh).unwrap();
     let told = "surfaces cross or touch in the open valve at";

@@ -53,7 +53,12 @@ impl Model {
         faults.stop()?;
         let mut found = found.ok_or_else(Vec::new)?;
         facing::face_atrium(&mut surface, &mut found, &mut loops, &tips, &mut faults);
+        let strung = chordae::string(scene, &surface, &tips, &mut faults);
+        check_ties(&surface, &edges, &found, &strung, &mut faults);
+        annulus_checks::check_insertions(&surface, &found, &strung.chords.points, &mut faults);
+        faults.stop()?;
         if scene.contact.is_on() {
+            // Chordae are tied to the leaflets by now: they were drawn where these stood.
             let thickness_mm = scene.contact.thickness_mm;
             untangle::untangle(
                 &mut surface,
@@ -62,11 +67,8 @@ impl Model {
                 thickness_mm,
                 &mut faults,
             );
+            faults.stop()?;
         }
-        let strung = chordae::string(scene, &surface, &tips, &mut faults);
-        check_ties(&surface, &edges, &found, &strung, &mut faults);
-        annulus_checks::check_insertions(&surface, &found, &strung.chords.points, &mut faults);
-        faults.stop()?;
         annulus_checks::tell_holes(&surface, &found, &loops, &mut faults);
         let model = assemble(scene, &surface, &edges, &found, &loops, strung, &mut faults);
         faults.stop()?;
