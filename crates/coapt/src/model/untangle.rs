@@ -180,3 +180,62 @@ fn let_back(opened: &[Vec3], surface: &Surface, thickness_mm: f64) -> Vec<Vec3> 
     }
     positions
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{ROWS, built, faults, mesh, skirt, told};
+    use crate::contact::surface::Surface;
+    use crate::contact::tangle::tangles;
+    use crate::scene::{Fault, Scene};
+
+    /// The skirt with its margins drawn towards the middle of the orifice and beyond, along y.
+    fn swung(part: f64) -> Scene {
+        let mut scene = skirt();
+        for leaflet in 0..2 {
+            let points = &mut mesh(&mut scene, leaflet).points_mm;
+            let last = points.len() - ROWS;
+            for (number, point) in points.iter_mut().enumerate() {
+                let depth = -point[2] / 14.0;
+                point[1] *= 1.0 - part * depth;
+                // Else points of both leaflets would coincide, and be one; commissures are.
+                if leaflet == 1 && (ROWS..last).contains(&number) {
+                    point[0] += 0.5 * depth;
+                }
+            }
+        }
+        scene
+    }
+
+    fn is_told(faults: &[Fault]) -> bool {
+        faults
+            .iter()
+            .any(|fault| fault.message.contains("cross or touch"))
+    }
+
+    #[test]
+    fn leaflets_that_overlap_or_lie_on_each_other_are_drawn_apart() {
+        for part in [1.0, 1.05] {
+            let done = built(&swung(part));
+            assert!(told(&done.warnings, "leaflets[", "are drawn apart"));
+            let model = done.model;
+            assert!(tangles(&Surface::new(&model.faces, &model.rest_mm), &model.rest_mm).is_empty());
+        }
+        assert!(!is_told(&built(&swung(0.5)).warnings));
+    }
+
+    #[test]
+    fn leaflets_that_have_changed_places_are_refused() {
+        assert!(told(
+            &faults(&swung(3.0)),
+            "leaflets[",
+            "surfaces cross or touch in the open valve"
+        ));
+    }
+
+    #[test]
+    fn leaflets_without_contact_may_cross() {
+        let mut scene = swung(3.0);
+        scene.contact.stiffness_mpa = 0.0;
+        assert!(!is_told(&built(&scene).warnings));
+    }
+}
