@@ -12,6 +12,7 @@ mod hard;
 mod kaiser;
 mod laws;
 mod personalise;
+mod properties;
 mod roads;
 mod stress;
 mod tables;
