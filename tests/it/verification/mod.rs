@@ -6,7 +6,7 @@
 //! meshes.
 
 mod bileaflet;
-mod circular;
+pub(crate) mod circular;
 mod classics;
 mod frames;
 mod laws;

@@ -26,6 +26,7 @@ mod validate_numbers;
 mod validate_tissue;
 
 pub use build::Built;
+pub(crate) use validate_tissue::tissue_faults;
 
 use crate::Vec3;
 use crate::energy::{
