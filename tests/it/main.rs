@@ -16,3 +16,4 @@ mod stress;
 mod tables;
 mod texas;
 mod verification;
+mod watch;

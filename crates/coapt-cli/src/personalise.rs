@@ -326,6 +326,7 @@ fn status(status: FitStatus) -> &'static str {
         FitStatus::AtBound => "AT A BOUND: a factor lies at an end of its range, a better one may lie beyond",
         FitStatus::IterationLimit => "NOT FINISHED: the search was still moving at its limit",
         FitStatus::NotConverged => "NO RESULT: closures that the fit would stand on did not converge",
+        FitStatus::Interrupted => "NO RESULT: the fit was interrupted",
     }
 }
 
