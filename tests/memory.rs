@@ -6,7 +6,7 @@ use coapt::state::State;
 use coapt_tests::preset_model;
 
 /// What the allocator may keep on top for chance [bytes]: closures are all the same, and what one of them takes, some 2 MB, is
-/// there to be taken again. A leak of 5 kB per closure, a thousandth of that, would exceed it in 300.
+/// there to be taken again. A leak of 6 kB per closure exceeds it in the last 200 of 300.
 const ROOM_BYTES: u64 = 1 << 20;
 
 /// Resident memory [bytes]; nothing where the system does not tell.

@@ -42,11 +42,11 @@ impl Rivals {
                 .map(str::to_owned)
                 .collect::<Vec<_>>()
         });
-        let mut takes = Duration::ZERO;
+        let mut takes = Duration::MAX;
         let known = runs.each_ref().map(|run| {
             let begun = Instant::now();
             let output = start(run).wait_with_output().unwrap();
-            takes = begun.elapsed();
+            takes = takes.min(begun.elapsed());
             assert!(
                 matches!(output.status.code(), Some(0 | 3)),
                 "{run:?} {}",
@@ -90,7 +90,11 @@ impl Rivals {
             let part = (f64::from(number) * 0.618_034).fract();
             let mut child = start(&self.runs[number as usize % 2]);
             std::thread::sleep(self.takes.mul_f64(1.05 * part.sqrt()));
-            send(signal, &child);
+            match signal {
+                // Without the time that it takes to start another program.
+                "-KILL" => child.kill().unwrap(),
+                _ => send(signal, &child),
+            }
             met += u32::from(child.wait().unwrap().code().is_none_or(|code| code > 3));
             look(self);
         }
@@ -107,6 +111,7 @@ fn closures(folder: &Folder) -> Rivals {
 
 /// What is left under other names stands in nobody's way.
 #[test]
+#[allow(clippy::print_stderr, reason = "how many kills met their moment is chance")]
 fn killed_at_any_moment_every_file_is_the_old_or_the_new_one() {
     let folder = Folder::new("killed");
     let closures = closures(&folder);
@@ -132,13 +137,16 @@ fn killed_at_any_moment_every_file_is_the_old_or_the_new_one() {
         Rivals::new(&folder.path("generated"), [&generate(36), &generate(38)]),
         closures,
     ];
+    let (mut met, mut half_written) = (0, 0);
     for rivals in &all {
-        let met = rivals.stop("-KILL", 16, |rivals| drop(rivals.found()));
-        assert!(met > 4, "{met} of 16 kills came in time: {:?}", rivals.runs[0]);
+        met += rivals.stop("-KILL", 16, |rivals| drop(rivals.found()));
+        half_written += temporaries(Path::new(&rivals.out)).len();
         let output = start(&rivals.runs[0]).wait_with_output().unwrap();
         assert!(matches!(output.status.code(), Some(0 | 3)), "{}", stderr(&output));
         assert_eq!(rivals.found(), BTreeSet::from([0]));
     }
+    eprintln!("{met} of 64 kills came in time and left {half_written} files under other names");
+    assert!(met >= 16, "{met} of 64 kills came in time");
 }
 
 /// All files are of one run, too, and nothing is left under other names.
