@@ -165,7 +165,9 @@ fn what_is_not_a_number_ends_as_stalled() {
     let mut start = State::open(&model);
     start.positions_mm[5].y = f64::NAN;
     for end in [
-        Interactive::new(&model, &closed).close(&targets),
+        Interactive::new(&model, &closed)
+            .close(&targets)
+            .expect("as many targets"),
         relax(&model, &start),
     ] {
         assert_eq!(end.status, Status::Stalled);

@@ -17,3 +17,4 @@ mod roads;
 mod tables;
 mod texas;
 mod verification;
+mod watch;

@@ -8,7 +8,7 @@ use coapt::model::{Model, mesh_quality};
 use coapt::scene::{Fault, Severity};
 use serde_json::json;
 
-use crate::case;
+use crate::case::{self, SizeLimit};
 use crate::closure::Format;
 use crate::output::{Failure, Verdict, fault_line, print};
 
@@ -20,14 +20,17 @@ pub(crate) struct Arguments {
     /// How the faults are printed
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
+    #[command(flatten)]
+    limit: SizeLimit,
 }
 
 /// Runs the verb. The faults are its result, so they go to standard output; errors also make it fail.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    let (model, faults) = match case::open(Some(&arguments.scene)).and_then(|case| case::build(&case)) {
-        Ok((model, faults)) => (Some(model), faults),
-        Err(faults) => (None, faults),
-    };
+    let (model, faults) =
+        match case::open(Some(&arguments.scene), arguments.limit).and_then(|case| case::build(&case)) {
+            Ok((model, faults)) => (Some(model), faults),
+            Err(faults) => (None, faults),
+        };
     let count = |severity| faults.iter().filter(|fault| fault.severity == severity).count();
     let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
     let size = model.as_ref().map(|model| {

@@ -2,33 +2,11 @@
 
 use std::path::Path;
 
-use crate::program::{Folder, coapt, status, stderr};
+use crate::program::{Folder, coapt, status, stderr, with_membranes};
 
 /// The small healthy valve with leaflets of a law that other engines have.
 fn membrane_valve(folder: &Folder) -> String {
-    let valve = folder.valve(&[]);
-    let scene = Path::new(&valve).join("scene.toml");
-    let text = std::fs::read_to_string(&scene).unwrap();
-    let springs = [
-        "law = \"bilinear-springs\"",
-        "pre_transition_modulus_mpa",
-        "transition_strain",
-        "post_transition_modulus_mpa",
-        "compression_modulus_ratio",
-        "bending_modulus_ratio",
-    ];
-    let membrane: Vec<&str> = text
-        .lines()
-        .filter_map(
-            |line| match springs.iter().position(|key| line.starts_with(key)) {
-                None => Some(line),
-                Some(0) => Some("law = \"st-venant-kirchhoff\"\nmodulus_mpa = 0.4"),
-                Some(_) => None,
-            },
-        )
-        .collect();
-    std::fs::write(&scene, membrane.join("\n")).unwrap();
-    valve
+    with_membranes(&folder.valve(&[]))
 }
 
 #[test]

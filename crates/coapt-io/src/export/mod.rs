@@ -27,14 +27,14 @@ pub use calculix::calculix;
 pub use febio::febio;
 pub use results::read_positions;
 
-use crate::atomic::{file_fault, write_text_atomically};
+use crate::atomic::write_text_atomically;
 
 /// Writes an exported model.
 ///
 /// # Errors
 /// What the file system says; the old file is then untouched.
 pub fn write_export(path: &Path, text: &str) -> Result<(), Fault> {
-    write_text_atomically(path, text.as_bytes()).map_err(|error| file_fault(path, &error))
+    write_text_atomically(path, text.as_bytes())
 }
 
 /// A line more. Writing to a string cannot fail.

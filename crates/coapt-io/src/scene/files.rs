@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
+use coapt::model::size::refusal;
 use coapt::scene::{Fault, Severity, Space};
 
 use super::nearest::nearest;
@@ -14,6 +15,8 @@ pub(super) struct Files {
     folder: PathBuf,
     /// The frame of files that do not say theirs.
     space: Space,
+    /// Files of more triangles are not read to their end.
+    pub(super) face_limit: u32,
     meshes: BTreeMap<PathBuf, Option<PolyData>>,
     unmarked: Vec<String>,
     marked_ras: Vec<String>,
@@ -25,10 +28,11 @@ pub(super) struct Files {
 
 impl Files {
     /// No file read yet.
-    pub(super) fn new(folder: &Path, space: Space) -> Self {
+    pub(super) fn new(folder: &Path, space: Space, face_limit: u32) -> Self {
         Self {
             folder: folder.to_owned(),
             space,
+            face_limit,
             meshes: BTreeMap::new(),
             unmarked: Vec::new(),
             marked_ras: Vec::new(),
@@ -51,13 +55,18 @@ impl Files {
         all.into_iter().any(|fault| fault.severity == Severity::Error)
     }
 
-    /// A mesh in LPS. The same file is read once, however many leaflets are in it.
-    pub(super) fn mesh(&mut self, place: &str, file: &str) -> Option<PolyData> {
+    /// A mesh in LPS, of so many triangles at most. The same file is read once, however many leaflets are in it.
+    pub(super) fn mesh(&mut self, place: &str, file: &str, face_limit: Option<u32>) -> Option<PolyData> {
         let path = self.path(place, file)?;
         if let Some(known) = self.meshes.get(&path) {
             return known.clone();
         }
+        let announced = mesh::announced_triangles(&path);
+        self.within(place, file, announced, face_limit)?;
         let read = self.keep(mesh::read_mesh(&path));
+        if let Some(mesh) = &read {
+            self.within(place, file, Some(mesh.triangles.len() as u64), face_limit)?;
+        }
         let read = read.map(|mut mesh| {
             if self.must_turn(file, mesh.space) {
                 turn_mesh(&mut mesh);
@@ -66,6 +75,21 @@ impl Files {
         });
         self.meshes.insert(path, read.clone());
         read
+    }
+
+    /// Nothing, and a fault, where a file has more triangles than it may.
+    fn within(&mut self, place: &str, file: &str, faces: Option<u64>, face_limit: Option<u32>) -> Option<()> {
+        let (Some(faces), Some(limit)) = (faces, face_limit) else {
+            return Some(());
+        };
+        if faces > u64::from(limit) {
+            self.error(
+                place,
+                format!("is `{file}` of {}", refusal(faces as usize, limit)),
+            );
+            return None;
+        }
+        Some(())
     }
 
     /// A curve in LPS.

@@ -21,7 +21,7 @@ use coapt::scene::{Fault, Plan, Repair, Scene, Space};
 pub use document::read_text;
 pub use locate::{locate, located, sentence};
 pub use nearest::nearest;
-pub use write::write_scene;
+pub use write::{stage_scene, write_scene};
 
 use files::Files;
 
@@ -39,9 +39,23 @@ pub fn read_scene(path: &Path) -> Result<(Scene, Vec<Fault>), Vec<Fault>> {
 /// # Errors
 /// As [`read_scene`].
 pub fn scene_from_text(path: &Path, text: &str) -> Result<(Scene, Vec<Fault>), Vec<Fault>> {
+    scene_within(path, text, None)
+}
+
+/// The same with another limit of triangles than the scene's own, [`Settings::face_limit`](coapt::scene::Settings): files that
+/// hold more are not read any further than that is known.
+///
+/// # Errors
+/// As [`read_scene`].
+pub fn scene_within(
+    path: &Path,
+    text: &str,
+    face_limit: Option<u32>,
+) -> Result<(Scene, Vec<Fault>), Vec<Fault>> {
     let name = path.display().to_string();
     let mut scene: Scene = document::parse(&name, text)?;
-    let mut files = Files::new(folder_of(path), scene.space);
+    scene.settings.face_limit = face_limit.unwrap_or(scene.settings.face_limit);
+    let mut files = Files::new(folder_of(path), scene.space, scene.settings.face_limit);
     if scene.space == Space::RAS {
         frame::turn_scene(&mut scene);
     }
@@ -66,7 +80,7 @@ pub fn read_plan(path: &Path) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
 pub fn plan_from_text(path: &Path, text: &str) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
     let name = path.display().to_string();
     let mut plan: Plan = document::parse(&name, text)?;
-    let mut files = Files::new(folder_of(path), Space::LPS);
+    let mut files = Files::new(folder_of(path), Space::LPS, u32::MAX);
     for (number, repair) in plan.repair.iter_mut().enumerate() {
         let Repair::Ring(ring) = repair;
         let key = format!("repair[{number}].curve_file");

@@ -6,7 +6,7 @@ use super::elasticity::{Elasticity, Sheet, elasticity};
 use super::faults::Faults;
 use super::surface::{self, Surface};
 use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
-use super::{annulus_checks, cleaning, facing, mesh_quality, untangle, validate};
+use super::{annulus_checks, cleaning, facing, mesh_quality, size, untangle, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
 use crate::mesh::polyline;
@@ -33,6 +33,8 @@ impl Model {
     /// Mesh files must have been read into the scene (`coapt-io` does).
     pub fn build(scene: &Scene) -> Result<Built, Vec<Fault>> {
         let mut faults = Faults::default();
+        size::check(scene, &mut faults);
+        faults.stop()?;
         validate::scene(scene, &mut faults);
         faults.stop()?;
         surface::check_units(scene, &mut faults);

@@ -17,6 +17,7 @@ mod hinges;
 mod insertion;
 mod membranes;
 pub mod mesh_quality;
+pub mod size;
 mod springs;
 mod strands;
 mod surface;

@@ -9,6 +9,7 @@ use super::elastic::Moved;
 use super::line_search::Acceptance;
 use super::load;
 use super::system::System;
+use super::watch::Log;
 use super::{Iteration, Status};
 use crate::Vec3;
 use crate::contact::gather::{PairList, longest_mm};
@@ -132,7 +133,7 @@ impl<'a> Newton<'a> {
     }
 
     /// Iterates until forces balance; `positions` are where it came to.
-    pub(super) fn iterate(&mut self, positions: &mut Vec<Vec3>, history: &mut Vec<Iteration>) -> Status {
+    pub(super) fn iterate(&mut self, positions: &mut Vec<Vec3>, log: &mut Log) -> Status {
         let (mut failures, mut escapes) = (0, 0);
         let (mut least_residual, mut idle) = (f64::INFINITY, 0);
         let mut last_residual = f64::INFINITY;
@@ -165,7 +166,10 @@ impl<'a> Newton<'a> {
                 (false, false) => Acceptance::Progress,
             };
             let fraction = self.search(positions, residual, acceptance);
-            self.note(history, residual, longest, fraction, exact);
+            let iteration = self.made(residual, longest, fraction, exact);
+            if log.note(iteration, self.model, positions).is_break() {
+                return Status::Interrupted;
+            }
             self.adapt_damping(exact, fraction);
             failures = if fraction == 0.0 { failures + 1 } else { 0 };
             if failures > STALL_LIMIT {
@@ -175,15 +179,16 @@ impl<'a> Newton<'a> {
         Status::IterationLimit
     }
 
-    fn note(&self, history: &mut Vec<Iteration>, residual: f64, step_mm: f64, fraction: f64, exact: bool) {
-        history.push(Iteration {
+    /// The iteration that was just made.
+    fn made(&self, residual: f64, step_mm: f64, fraction: f64, exact: bool) -> Iteration {
+        Iteration {
             residual,
             step_mm,
             damping: self.system.damping,
             fraction,
             exact,
             faces: self.model.faces.len(),
-        });
+        }
     }
 
     /// Gathers the pairs in reach and computes the force at a place.
