@@ -34,7 +34,7 @@ const ROWS: [(&str, Stress); 12] = [
             scene
                 .chordae
                 .iter_mut()
-                .for_each(|group| group.modulus_mpa *= 100.0)
+                .for_each(|group| group.modulus_mpa = group.modulus_mpa.map(|modulus| 100.0 * modulus))
         }),
     ),
     (

@@ -7,6 +7,7 @@ mod build;
 mod chord_checks;
 mod chordae;
 mod cleaning;
+mod doubts;
 pub mod elasticity;
 mod facing;
 mod faults;
@@ -25,6 +26,7 @@ mod validate_numbers;
 mod validate_tissue;
 
 pub use build::Built;
+pub use doubts::doubts;
 
 use crate::Vec3;
 use crate::energy::{
