@@ -18,6 +18,7 @@ mod hinges;
 mod insertion;
 mod membranes;
 pub mod mesh_quality;
+mod near_points;
 mod springs;
 mod strands;
 mod surface;
