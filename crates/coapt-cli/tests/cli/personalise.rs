@@ -173,7 +173,7 @@ fn a_biaxial_curve_becomes_a_block_of_a_scene() {
     assert_eq!(output.status.code(), Some(2));
     let said = stderr(&output);
     assert!(
-        said.contains("curve.csv:1 holds stresses, for which a thickness has no meaning"),
+        said.contains("curve.csv:1: holds stresses, for which a thickness has no meaning"),
         "{said}"
     );
 }
