@@ -87,7 +87,7 @@ fn within_value(
     }
 }
 
-/// Whether this is what an error calls `string "0.2"`, `integer `5``, `sequence` and the like.
+/// Whether this is what an error tells of: a string with its text, a number by its kind, a sequence.
 fn is_told(value: &DeValue<'_>, words: &str) -> bool {
     match value {
         DeValue::String(text) => words == format!("string {text:?}"),

@@ -63,24 +63,16 @@ fn doubt(value: f64, usual: &RangeInclusive<f64>, place: &str, unit: &str, fault
 }
 
 fn leaflet(leaflet: &Leaflet, place: &str, faults: &mut Faults) {
+    let thickness = format!("{place}.thickness_mm");
+    doubt(leaflet.thickness_mm, &THIN_MM, &thickness, "mm", faults);
+    tissue(&leaflet.tissue, &format!("{place}.tissue"), faults);
+}
+
+fn tissue(tissue: &Tissue, place: &str, faults: &mut Faults) {
     let mut mpa = |key: &str, value: f64, usual: &RangeInclusive<f64>| {
-        doubt(value, usual, &format!("{place}.tissue.{key}"), "MPa", faults);
+        doubt(value, usual, &format!("{place}.{key}"), "MPa", faults);
     };
-    let branches = |springs: &SpringBranches| {
-        [
-            (
-                "pre_transition_modulus_mpa",
-                springs.pre_transition_modulus_mpa,
-                SOFT_MPA,
-            ),
-            (
-                "post_transition_modulus_mpa",
-                springs.post_transition_modulus_mpa,
-                STIFF_MPA,
-            ),
-        ]
-    };
-    match leaflet.tissue {
+    match *tissue {
         Tissue::BilinearSprings {
             pre_transition_modulus_mpa,
             post_transition_modulus_mpa,
@@ -104,9 +96,21 @@ fn leaflet(leaflet: &Leaflet, place: &str, faults: &mut Faults) {
             ..
         } => {
             for (direction, springs) in [("circumferential", circumferential), ("radial", radial)] {
-                for (key, value, usual) in branches(&springs) {
-                    mpa(&format!("{direction}.{key}"), value, &usual);
-                }
+                let SpringBranches {
+                    pre_transition_modulus_mpa: soft,
+                    post_transition_modulus_mpa: stiff,
+                    ..
+                } = springs;
+                mpa(
+                    &format!("{direction}.pre_transition_modulus_mpa"),
+                    soft,
+                    &SOFT_MPA,
+                );
+                mpa(
+                    &format!("{direction}.post_transition_modulus_mpa"),
+                    stiff,
+                    &STIFF_MPA,
+                );
             }
             mpa("bending_modulus_mpa", bending_modulus_mpa, &BENDING_MPA);
         }
@@ -132,13 +136,6 @@ fn leaflet(leaflet: &Leaflet, place: &str, faults: &mut Faults) {
             mpa("bending_modulus_mpa", bending_modulus_mpa, &BENDING_MPA);
         }
     }
-    doubt(
-        leaflet.thickness_mm,
-        &THIN_MM,
-        &format!("{place}.thickness_mm"),
-        "mm",
-        faults,
-    );
 }
 
 fn chord_group(group: &ChordGroup, place: &str, faults: &mut Faults) {
@@ -177,15 +174,14 @@ fn pressure(scene: &Scene, faults: &mut Faults) {
         return;
     };
     let mmhg = pressure_mpa / MMHG_MPA;
-    if !(mmhg > DOUBTFUL_PRESSURE_MMHG) {
-        return;
-    }
     let (place, given) = match scene.load.pressure_kpa {
         Some(kpa) => ("load.pressure_kpa", format!("{kpa} kPa = {mmhg:.0} mmHg")),
         None => ("load.pressure_mmhg", format!("{mmhg:.0} mmHg")),
     };
-    let message = format!("is {given}, expected below {DOUBTFUL_PRESSURE_MMHG} mmHg; check the unit");
-    faults.warning(place, message);
+    if mmhg > DOUBTFUL_PRESSURE_MMHG {
+        let message = format!("is {given}, expected below {DOUBTFUL_PRESSURE_MMHG} mmHg; check the unit");
+        faults.warning(place, message);
+    }
 }
 
 #[cfg(test)]
