@@ -1,5 +1,7 @@
 //! What several tests need.
 
+pub mod told;
+
 use coapt::Vec3;
 use coapt::energy::pressure;
 use coapt::mesh::parametric::{Preset, ValveParameters, generate};

@@ -144,7 +144,12 @@ fn cases(arguments: &Arguments, usual_faces: &[u32]) -> Result<(Vec<Case>, Optio
     let finest = sizes.last().copied().unwrap_or(FACES_OF_A_PRESET);
     let of_reference = arguments
         .reference_faces
-        .unwrap_or(MOST_FACES.min(finest * REFERENCE_FINER));
+        .unwrap_or(MOST_FACES.min(finest.saturating_mul(REFERENCE_FINER)));
+    if of_reference < finest {
+        let message =
+            format!("is {of_reference}, coarser than the finest mesh studied; expected at least {finest}");
+        return Err(vec![Fault::error("--reference-faces", message)].into());
+    }
     let of_size = |faces: u32| -> Result<Case, Failure> { Ok(case::preset(preset, faces, arguments.limit)?) };
     let cases = sizes.into_iter().map(of_size).collect::<Result<Vec<_>, _>>()?;
     Ok((cases, Some(of_size(of_reference)?)))

@@ -62,6 +62,43 @@ fn wrong_usage_is_status_2_and_help_is_0() {
     }
 }
 
+/// A generated valve is held to the rule of any scene.
+#[test]
+fn generate_takes_and_doubts_what_a_scene_takes_and_doubts() {
+    let folder = Folder::new("doubts");
+    for (setting, status, told) in [
+        ("pressure_mmhg=350", 0, ""),
+        (
+            "pressure_mmhg=500",
+            0,
+            "warning: load.pressure_mmhg is 500 mmHg, expected below 400 mmHg",
+        ),
+        (
+            "pressure_mmhg=-1",
+            2,
+            "error: generate: pressure_mmhg is -1; expected a number from 0",
+        ),
+        (
+            "chordae.basal_modulus_mpa=20800",
+            0,
+            "warning: chordae[2].modulus_mpa is 20800 MPa, expected 0.1 to",
+        ),
+    ] {
+        let out = folder.path(setting);
+        let output = coapt(&["generate", "--set", "faces=300", "--set", setting, "--out", &out]);
+        assert_eq!(output.status.code(), Some(status), "{setting}");
+        let said = stderr(&output);
+        assert!(
+            said.contains(told) && said.is_empty() == told.is_empty(),
+            "{setting}: {said}"
+        );
+        if status == 0 {
+            let checked = stdout(&coapt(&["check", &out]));
+            assert_eq!(checked.contains("check the unit"), !told.is_empty(), "{checked}");
+        }
+    }
+}
+
 #[test]
 fn a_generated_valve_checks_and_closes_before_and_after_a_ring() {
     let folder = Folder::new("round");

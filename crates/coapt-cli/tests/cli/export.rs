@@ -20,6 +20,12 @@ fn export_writes_a_valve_for_each_engine() {
         assert!(output.stdout.is_empty());
         let text = std::fs::read_to_string(&out).unwrap();
         assert!(text.starts_with(beginning), "{}", &text[..80]);
+        let head: Vec<&str> = text.lines().take(5).collect();
+        assert!(
+            head.iter()
+                .any(|line| line.contains("research use, not a medical device")),
+            "{head:?}"
+        );
     }
 }
 
@@ -62,6 +68,15 @@ fn export_turns_a_result_into_a_surface() {
     let said = stderr(&output);
     assert!(
         said.contains("result.csv:2: node 1: found `up`; expected a finite number"),
+        "{said}"
+    );
+    // What CalculiX leaves of a run that failed.
+    std::fs::write(&results, "\n").unwrap();
+    let output = coapt(&["export", &valve, "--results", &results, "--out", &out]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(
+        said.contains("result.csv is empty; expected displacements"),
         "{said}"
     );
 }

@@ -28,6 +28,7 @@ pub use febio::febio;
 pub use results::read_positions;
 
 use crate::atomic::write_text_atomically;
+use crate::report::NOTICE;
 
 /// Writes an exported model.
 ///
@@ -51,6 +52,7 @@ fn heading(model: &Model, engine: &str, cards: &[String], lost: &[&str]) -> Vec<
             plain(&model.name),
             env!("CARGO_PKG_VERSION")
         ),
+        NOTICE.to_owned(),
         "units: mm, N, MPa; node v + 1 is vertex v of the model; element f + 1 is its face f".to_owned(),
     ];
     for (leaflet, card) in model.leaflets.iter().zip(cards) {

@@ -174,8 +174,38 @@ impl Files {
             self.error(place, format!("is `{file}`, which does not exist{advice}"));
             return None;
         }
+        if leads_out(&path, &self.folder) {
+            self.error(
+                place,
+                format!("is `{file}`, a link that leads out of the scene's folder; put the file into it"),
+            );
+            return None;
+        }
         Some(path)
     }
+}
+
+/// Whether links on the way to a file lead out of the folder. Of what cannot be followed the reader tells why.
+fn leads_out(path: &Path, folder: &Path) -> bool {
+    match (path.canonicalize(), folder.canonicalize()) {
+        (Ok(path), Ok(folder)) => !path.starts_with(folder),
+        _ => false,
+    }
+}
+
+/// Names that Windows takes for devices, with any ending: to read one may wait for ever.
+fn is_device(name: &str) -> bool {
+    let stem = name
+        .split('.')
+        .next()
+        .unwrap_or_default()
+        .trim_end()
+        .to_ascii_uppercase();
+    let numbered = |kind: &str| {
+        let number = stem.strip_prefix(kind).unwrap_or_default();
+        number.len() == 1 && number.as_bytes()[0].is_ascii_digit()
+    };
+    ["CON", "PRN", "AUX", "NUL"].contains(&stem.as_str()) || numbered("COM") || numbered("LPT")
 }
 
 /// Only names below the scene's folder: a scene from elsewhere must not reach other files.
@@ -201,13 +231,23 @@ fn check_name(file: &str) -> Result<(), &'static str> {
             return Err("which leads out of the scene's folder; put the file into it");
         }
     }
+    if file.split(['/', '\\']).any(is_device) {
+        return Err("the name of a device on Windows; rename the file");
+    }
+    if file.contains('\0') {
+        return Err("which has a zero byte in it; expected the name of a file");
+    }
     Ok(())
 }
 
-/// A file in the same folder whose name is nearly the same.
+/// A file in the same folder whose name is nearly the same; where the folder is missing, one like it.
 fn similar(path: &Path) -> Option<String> {
+    let folder = path.parent()?;
+    if !folder.exists() {
+        return similar(folder);
+    }
     let wanted = path.file_name()?.to_str()?;
-    let entries = std::fs::read_dir(path.parent()?).ok()?;
+    let entries = std::fs::read_dir(folder).ok()?;
     let mut names: Vec<String> = entries
         .take(10_000)
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
@@ -240,7 +280,15 @@ mod tests {
 
     #[test]
     fn only_files_below_the_folder_may_be_named() {
-        for good in ["a.vtp", "meshes/a.vtp", "meshes/../a.vtp", "./a b.vtp", "..a.vtp"] {
+        for good in [
+            "a.vtp",
+            "meshes/a.vtp",
+            "meshes/../a.vtp",
+            "./a b.vtp",
+            "..a.vtp",
+            "null.vtp",
+            "com.vtp",
+        ] {
             assert_eq!(check_name(good), Ok(()), "{good}");
         }
         for (bad, reason) in [
@@ -251,6 +299,9 @@ mod tests {
             ("https://a.b/c.vtp", "network"),
             ("../a.vtp", "out of the scene's folder"),
             ("a/../../b.vtp", "out of the scene's folder"),
+            ("NUL", "device"),
+            ("meshes/com1.vtp", "device"),
+            ("a\0.vtp", "zero byte"),
         ] {
             assert!(check_name(bad).unwrap_err().contains(reason), "{bad}");
         }

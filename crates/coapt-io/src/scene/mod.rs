@@ -10,9 +10,11 @@ mod document;
 mod files;
 mod frame;
 mod geometry;
+mod json_text;
 mod locate;
 mod nearest;
 mod write;
+mod wrong_type;
 
 use std::path::Path;
 

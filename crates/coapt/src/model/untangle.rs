@@ -9,7 +9,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::faults::Faults;
+use super::faults::{Faults, some};
 use super::surface::Surface;
 use crate::Vec3;
 use crate::contact::gather::PairList;
@@ -45,14 +45,18 @@ pub(crate) fn untangle(
 ) {
     let parts = contact::Surface::new(&surface.faces, &surface.points);
     let tangles = tangle::tangles(&parts, &surface.points);
-    let Some(&Tangle { vertex, face }) = tangles.first() else {
+    let Some(first) = tangles.first() else {
         return;
     };
-    let place = surface.point_name(vertex);
+    let place = surface.point_name(first.vertex);
+    let named = |tangle: &Tangle| {
+        let face = surface.face_name(tangle.face as usize);
+        format!("{} at {face}", surface.point_name(tangle.vertex))
+    };
     let what = format!(
-        "surfaces cross or touch in the open valve at {} places, the first where this point is at {}",
+        "surfaces cross or touch in the open valve at {} places: {}",
         tangles.len(),
-        surface.face_name(face as usize)
+        some(tangles.iter().map(named))
     );
     let opening = opening(surface, edges, annulus);
     let opened = OPENINGS

@@ -168,6 +168,9 @@ pub struct Load {
     pub pressure_kpa: Option<f64>,
 }
 
+/// Coordinates and other numbers beyond this are no anatomy in any unit; the bound keeps arithmetic finite.
+pub(crate) const LARGEST: f64 = 1e7;
+
 /// One millimetre of mercury [MPa].
 pub const MMHG_MPA: f64 = 1.333_223_684e-4;
 
