@@ -321,7 +321,7 @@ fn in_stresses(scene: &Scene, factor: f64) -> Scene {
         leaflet.tissue = tissue_in_stresses(&leaflet.tissue, factor);
     }
     for group in &mut scene.chordae {
-        group.modulus_mpa *= factor;
+        group.modulus_mpa = group.modulus_mpa.map(|modulus| modulus * factor);
         group.law = group.law.as_ref().map(|law| match law {
             ChordLaw::Linear { modulus_mpa } => ChordLaw::Linear {
                 modulus_mpa: factor * modulus_mpa,

@@ -9,6 +9,7 @@ pub mod krylov;
 mod levels;
 mod line_search;
 pub mod load;
+mod load_steps;
 mod newton;
 mod soft_chordae;
 pub mod stability;
@@ -17,6 +18,8 @@ mod system;
 mod watch;
 
 use std::ops::ControlFlow;
+
+use load_steps::{PATIENCE, raise_pressure};
 
 use crate::Vec3;
 use crate::model::Model;
@@ -119,10 +122,16 @@ fn relax_and_log(model: &Model, start: &State, mut log: Log) -> Equilibrium {
         positions = levels::begin(&mut newton, &mut log).unwrap_or(positions);
         soft_chordae::stiffen(model, &mut positions, &mut log);
     }
-    let status = match log.interrupted {
-        true => Status::Interrupted,
-        false => newton.iterate(&mut positions, &mut log),
-    };
+    let limit = model.settings.iteration_limit;
+    newton.iteration_limit = limit.min(PATIENCE);
+    let mut status = newton.iterate_unless_interrupted(&mut positions, &mut log);
+    let is_lost = matches!(status, Status::IterationLimit | Status::Stalled);
+    if is_lost && limit > PATIENCE && newton.residual(&newton.gradient).is_finite() {
+        raise_pressure(model, &mut positions, &mut log);
+        newton = Newton::new(model);
+        newton.iteration_limit = limit - PATIENCE;
+        status = newton.iterate_unless_interrupted(&mut positions, &mut log);
+    }
     Equilibrium {
         untangled,
         ..conclude(&mut newton, positions, status, log)

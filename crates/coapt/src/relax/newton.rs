@@ -75,6 +75,8 @@ pub(super) struct Newton<'a> {
     pub(super) least_damping: f64,
     /// So often the solver leaves an unstable balance of forces before it reports one.
     pub(super) escape_limit: u32,
+    /// So many iterations are made at most.
+    pub(super) iteration_limit: u32,
     /// Whether the balance that it came to lasts, where it has looked.
     pub(super) stable: Option<bool>,
     crawled: u32,
@@ -115,6 +117,7 @@ impl<'a> Newton<'a> {
             step_limit_mm,
             least_damping: LEAST_DAMPING * damping,
             escape_limit: ESCAPE_LIMIT,
+            iteration_limit: model.settings.iteration_limit,
             stable: None,
             crawled: 0,
             damping,
@@ -132,6 +135,14 @@ impl<'a> Newton<'a> {
         }
     }
 
+    /// Iterates, unless the watcher has said stop before.
+    pub(super) fn iterate_unless_interrupted(&mut self, positions: &mut Vec<Vec3>, log: &mut Log) -> Status {
+        match log.interrupted {
+            true => Status::Interrupted,
+            false => self.iterate(positions, log),
+        }
+    }
+
     /// Iterates until forces balance; `positions` are where it came to.
     pub(super) fn iterate(&mut self, positions: &mut Vec<Vec3>, log: &mut Log) -> Status {
         let (mut failures, mut escapes) = (0, 0);
@@ -139,7 +150,7 @@ impl<'a> Newton<'a> {
         let mut last_residual = f64::INFINITY;
         self.stable = None;
         self.evaluate(positions);
-        for _ in 0..self.model.settings.iteration_limit {
+        for _ in 0..self.iteration_limit {
             let moving = self.boundary_motion(positions);
             let residual = self.residual(&self.gradient);
             if !residual.is_finite() {
