@@ -20,9 +20,9 @@ use crate::contact::touch::{Touch, touches_into};
 use crate::energy::Curvature;
 use crate::model::{Model, Prescribed};
 
-/// Longest step of a vertex, as a part of the valve's size [1]. Larger steps overshoot while the soft branch of
+/// Longest step of a vertex, as a part of the valve's radius [1]. Larger steps overshoot while the soft branch of
 /// the springs still rules; smaller ones only cost iterations.
-const STEP_LIMIT: f64 = 0.01;
+const STEP_LIMIT: f64 = 0.026;
 /// Longest step of a vertex in mean edge lengths [1]: fine meshes pay for long steps with long pair lists.
 const STEP_LIMIT_EDGES: f64 = 0.5;
 /// The exact tangent is tried from this residual on: farther out it is indefinite nearly always.
@@ -101,7 +101,7 @@ impl<'a> Newton<'a> {
         let surface = Surface::new(&model.faces, &model.rest_mm);
         let scale = model.settings.step_scale;
         let step_limit_mm =
-            scale * (STEP_LIMIT * diagonal_mm(&model.rest_mm)).min(STEP_LIMIT_EDGES * surface.mean_edge_mm);
+            scale * (STEP_LIMIT * radius_mm(&model.rest_mm)).min(STEP_LIMIT_EDGES * surface.mean_edge_mm);
         // At this damping pressure alone moves a vertex by the step limit.
         let damping = model.pressure_mpa.max(1e-12) / step_limit_mm;
         let system = System::new(model, &surface);
@@ -369,9 +369,9 @@ fn clipped(vector: Vec3, longest: f64) -> Vec3 {
     }
 }
 
-/// About the diagonal of a square around the valve: √2 times how far the farthest vertex lies from the first.
-fn diagonal_mm(positions: &[Vec3]) -> f64 {
-    let first = positions.first().copied().unwrap_or_default();
-    let from_first: Vec<Vec3> = positions.iter().map(|position| position - first).collect();
-    2.0 * longest_mm(&from_first) / 2.0_f64.sqrt()
+/// How far the farthest vertex lies from the middle of all: whichever comes first.
+fn radius_mm(positions: &[Vec3]) -> f64 {
+    let middle = positions.iter().sum::<Vec3>() / positions.len().max(1) as f64;
+    let from_middle: Vec<Vec3> = positions.iter().map(|position| position - middle).collect();
+    longest_mm(&from_middle)
 }
