@@ -12,6 +12,7 @@ mod kaiser;
 mod laws;
 mod personalise;
 mod roads;
+mod shapes;
 mod stress;
 mod tables;
 mod texas;
