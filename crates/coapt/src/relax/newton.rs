@@ -99,8 +99,9 @@ impl<'a> Newton<'a> {
         let scale = model.settings.step_scale;
         let step_limit_mm =
             scale * (STEP_LIMIT * diagonal_mm(&model.rest_mm)).min(STEP_LIMIT_EDGES * surface.mean_edge_mm);
+        let reference_force_n = load::reference_force_n(model);
         // At this damping pressure alone moves a vertex by the step limit.
-        let damping = model.pressure_mpa.max(1e-12) / step_limit_mm;
+        let damping = load_mpa(model, &surface, reference_force_n) / step_limit_mm;
         let system = System::new(model, &surface);
         let zeros = vec![Vec3::zeros(); model.rest_mm.len()];
         Self {
@@ -110,7 +111,7 @@ impl<'a> Newton<'a> {
             near: Vec::new(),
             touches: Vec::new(),
             trial_touches: Vec::new(),
-            reference_force_n: load::reference_force_n(model),
+            reference_force_n,
             step_limit_mm,
             least_damping: LEAST_DAMPING * damping,
             escape_limit: ESCAPE_LIMIT,
@@ -203,7 +204,12 @@ impl<'a> Newton<'a> {
         let squared = free.map(|&vertex| gradient[vertex as usize].norm_squared());
         // What is not a number must not get lost.
         let larger = |one: f64, other: f64| if one > other || one.is_nan() { one } else { other };
-        squared.fold(0.0, larger).sqrt() / self.reference_force_n
+        let largest_n = squared.fold(0.0, larger).sqrt();
+        // No force at all is a balance, even where there is nothing to count it in.
+        if largest_n == 0.0 {
+            return 0.0;
+        }
+        largest_n / self.reference_force_n
     }
 
     /// Bounds the step, vertex by vertex, so that nothing passes through anything; gathers the pairs along it.
@@ -325,6 +331,19 @@ impl<'a> Newton<'a> {
             *damping *= if exact { 8.0 } else { 4.0 };
         }
     }
+}
+
+/// Pressure or, without any, what residuals are counted in over the mean area around a vertex [MPa]; not zero.
+///
+/// Dampings are parts of it. Far less where there is no pressure, and rounding would look like an unstable balance: chains
+/// that went slack kept links compressed by 1e-12 N.
+fn load_mpa(model: &Model, surface: &Surface, reference_force_n: f64) -> f64 {
+    if model.pressure_mpa > 0.0 {
+        return model.pressure_mpa;
+    }
+    let mean_area_mm2 =
+        surface.vertex_area_mm2.iter().sum::<f64>() / model.leaflet_vertex_count.max(1) as f64;
+    (reference_force_n / mean_area_mm2).max(1e-12)
 }
 
 fn place<'a>(model: &'a Model, surface: &'a Surface, positions: &'a [Vec3]) -> Place<'a> {
