@@ -282,6 +282,8 @@ impl<'a> Newton<'a> {
             }
             damping *= DAMPING_RISE;
         }
+        // The next iteration goes on from here.
+        self.factor_damping = damping;
         None
     }
 
