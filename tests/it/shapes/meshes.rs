@@ -36,7 +36,7 @@ impl Mesh {
     }
 
     /// The same mesh elsewhere.
-    pub(crate) fn moved(mut self, place: impl Fn(Vec3) -> Vec3) -> Self {
+    pub(crate) fn moved(mut self, mut place: impl FnMut(Vec3) -> Vec3) -> Self {
         self.points_mm.iter_mut().for_each(|point| *point = place(*point));
         self
     }
