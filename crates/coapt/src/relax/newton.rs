@@ -34,7 +34,8 @@ const CRAWL_LIMIT: u32 = 4;
 /// a rise by more is the way of a valve that is still closing.
 const GOING_ROUND: f64 = 1.02;
 /// Or the least residual of so many steps stays so near that of as many before. A sheet squeezed between four walls went round
-/// in two or three steps with residuals 20 % apart that fell by a part of a thousand in a round.
+/// in two or three steps with residuals 20 % apart that fell by a part of a thousand in a round. Our choice: several such
+/// rounds; the more, the more steps are lost before the exact tangent is tried.
 const ROUND: usize = 12;
 /// Relative residual of a Newton step [1]: Newton squares its error at best, and far away it cannot use more.
 const NEWTON_TOLERANCE: f64 = 1e-2;
@@ -80,6 +81,7 @@ pub(super) struct Newton<'a> {
     /// Whether the balance that it came to lasts, where it has looked.
     pub(super) stable: Option<bool>,
     crawled: u32,
+    /// Whether the residual comes back to where it was within [`ROUND`] steps.
     goes_round: bool,
     damping: f64,
     exact_damping: f64,
