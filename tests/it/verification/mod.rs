@@ -6,7 +6,7 @@
 //! meshes.
 
 mod bileaflet;
-mod circular;
+pub(crate) mod circular;
 mod classics;
 pub(crate) mod frames;
 mod laws;

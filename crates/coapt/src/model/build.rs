@@ -6,7 +6,7 @@ use super::elasticity::{Elasticity, Sheet, elasticity};
 use super::faults::Faults;
 use super::surface::{self, Surface};
 use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
-use super::{annulus_checks, cleaning, facing, mesh_quality, validate};
+use super::{annulus_checks, cleaning, facing, mesh_quality, untangle, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
 use crate::mesh::polyline;
@@ -57,6 +57,18 @@ impl Model {
         check_ties(&surface, &edges, &found, &strung, &mut faults);
         annulus_checks::check_insertions(&surface, &found, &strung.chords.points, &mut faults);
         faults.stop()?;
+        if scene.contact.is_on() {
+            // Chordae are tied to the leaflets by now: they were drawn where these stood.
+            let thickness_mm = scene.contact.thickness_mm;
+            untangle::untangle(
+                &mut surface,
+                &edges,
+                &found.annulus.vertices,
+                thickness_mm,
+                &mut faults,
+            );
+            faults.stop()?;
+        }
         annulus_checks::tell_holes(&surface, &found, &loops, &mut faults);
         let model = assemble(scene, &surface, &edges, &found, &loops, strung, &mut faults);
         faults.stop()?;

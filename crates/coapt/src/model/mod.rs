@@ -20,11 +20,13 @@ pub mod mesh_quality;
 mod springs;
 mod strands;
 mod surface;
+mod untangle;
 mod validate;
 mod validate_numbers;
 mod validate_tissue;
 
 pub use build::Built;
+pub(crate) use validate_tissue::tissue_faults;
 
 use crate::Vec3;
 use crate::energy::{

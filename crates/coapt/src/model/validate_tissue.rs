@@ -2,10 +2,17 @@
 
 use super::faults::Faults;
 use super::validate_numbers::{not_negative, positive, same_count};
-use crate::scene::{ChordLaw, SpringBranches, Tissue};
+use crate::scene::{ChordLaw, Fault, SpringBranches, Tissue};
 
 /// Exponents beyond this make a wall of a law, and double precision loses its foot [1].
 const LARGEST_EXPONENT: f64 = 1e5;
+
+/// What a model finds wrong with a tissue's constants.
+pub(crate) fn tissue_faults(tissue: &Tissue, place: &str) -> Vec<Fault> {
+    let mut faults = Faults::default();
+    self::tissue(tissue, place, &mut faults);
+    faults.stop().err().unwrap_or_default()
+}
 
 pub(crate) fn tissue(tissue: &Tissue, place: &str, faults: &mut Faults) {
     let at = |key: &str| format!("{place}.{key}");

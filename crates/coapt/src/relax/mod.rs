@@ -15,7 +15,7 @@ pub mod stability;
 mod system;
 
 use crate::Vec3;
-use crate::contact::crossing::crossings;
+use crate::contact::tangle::tangles;
 use crate::model::Model;
 use crate::state::State;
 pub use certificate::Certificate;
@@ -32,10 +32,22 @@ pub struct Equilibrium {
     pub status: Status,
     /// How far the result can be trusted.
     pub certificate: Certificate,
+    /// What was done about a start that crossed or touched itself.
+    pub untangled: Option<Untangled>,
     /// Force of the valve on each support [N], shape `[vertex]`; zero at free vertices.
     pub reactions_n: Vec<Vec3>,
     /// What happened, iteration by iteration.
     pub history: Vec<Iteration>,
+}
+
+/// A start in which surfaces crossed or touched, and how far from it the solver began instead: as near to it as one comes
+/// from the open valve without anything passing through anything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Untangled {
+    /// Places where surfaces crossed or touched.
+    pub places: usize,
+    /// How far a vertex began from where it was to begin, at most [mm].
+    pub farthest_mm: f64,
 }
 
 /// Why the solver stopped.
@@ -48,7 +60,8 @@ pub enum Status {
     IterationLimit,
     /// No step made progress any more.
     Stalled,
-    /// Leaflets cross, or touch, before anything has moved: there is no way to tell which side is which.
+    /// Leaflets cross, or touch, in the open valve: there is no way to tell which side is which. No model that was built of a
+    /// scene does.
     TangledStart,
 }
 
@@ -73,11 +86,15 @@ pub struct Iteration {
 /// ([`Settings::coarse_to_fine`](crate::scene::Settings)).
 pub fn relax(model: &Model, start: &State) -> Equilibrium {
     let mut newton = Newton::new(model);
-    let mut positions = start.positions_mm.clone();
     let mut history = Vec::new();
-    if model.contact.is_on() && !crossings(&newton.surface, &positions).is_empty() {
-        return conclude(&mut newton, positions, Status::TangledStart, history);
-    }
+    let Some((mut positions, untangled)) = begin(&mut newton, start) else {
+        return conclude(
+            &mut newton,
+            start.positions_mm.clone(),
+            Status::TangledStart,
+            history,
+        );
+    };
     newton.evaluate(&positions);
     let at_rest = newton.residual(&newton.gradient) <= model.settings.residual_tolerance;
     if model.settings.coarse_to_fine && positions == model.rest_mm && !at_rest {
@@ -85,7 +102,34 @@ pub fn relax(model: &Model, start: &State) -> Equilibrium {
         soft_chordae::stiffen(model, &mut positions, &mut history);
     }
     let status = newton.iterate(&mut positions, &mut history);
-    conclude(&mut newton, positions, status, history)
+    Equilibrium {
+        untangled,
+        ..conclude(&mut newton, positions, status, history)
+    }
+}
+
+/// Where a start is tangled, as near to it as one comes from the open valve; nothing where that is tangled itself.
+fn begin(newton: &mut Newton, start: &State) -> Option<(Vec<Vec3>, Option<Untangled>)> {
+    let model = newton.model;
+    let places = if model.contact.is_on() {
+        tangles(&newton.surface, &start.positions_mm).len()
+    } else {
+        0
+    };
+    if places == 0 {
+        return Some((start.positions_mm.clone(), None));
+    }
+    if !tangles(&newton.surface, &model.rest_mm).is_empty() {
+        return None;
+    }
+    let mut positions = model.rest_mm.clone();
+    newton.walk(&mut positions, &start.positions_mm);
+    let ways = positions
+        .iter()
+        .zip(&start.positions_mm)
+        .map(|(here, there)| (here - there).norm());
+    let farthest_mm = ways.fold(0.0, f64::max);
+    Some((positions, Some(Untangled { places, farthest_mm })))
 }
 
 /// Closes many open valves, on as many threads as there are; the results are those of [`relax`], in the same order.
@@ -145,6 +189,7 @@ fn conclude(
         },
         status,
         certificate,
+        untangled: None,
         reactions_n,
         history,
     }

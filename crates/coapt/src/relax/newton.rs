@@ -376,6 +376,7 @@ fn place<'a>(model: &'a Model, surface: &'a Surface, positions: &'a [Vec3]) -> P
         positions_mm: positions,
         thickness_mm: model.contact.thickness_mm,
         rigid_fraction: rigid_fraction(surface, model.contact.thickness_mm),
+        kept_fraction: 0.0,
     }
 }
 
