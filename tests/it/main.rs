@@ -14,6 +14,7 @@ mod laws;
 mod personalise;
 mod properties;
 mod roads;
+mod shapes;
 mod tables;
 mod texas;
 mod verification;

@@ -9,16 +9,16 @@ use nalgebra::Complex;
 
 /// A triangle mesh.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Mesh {
-    pub(super) points_mm: Vec<Vec3>,
-    pub(super) faces: Vec<[u32; 3]>,
+pub(crate) struct Mesh {
+    pub(crate) points_mm: Vec<Vec3>,
+    pub(crate) faces: Vec<[u32; 3]>,
     /// Vertices on the rim, where there is one.
-    pub(super) rim: Vec<u32>,
+    pub(crate) rim: Vec<u32>,
 }
 
 impl Mesh {
     /// Volume of the cone from the origin over the faces [mm³].
-    pub(super) fn volume_mm3(&self, positions_mm: &[Vec3]) -> f64 {
+    pub(crate) fn volume_mm3(&self, positions_mm: &[Vec3]) -> f64 {
         let of_face = |face: &[u32; 3]| {
             let [a, b, c] = face.map(|vertex| positions_mm[vertex as usize]);
             a.dot(&b.cross(&c)) / 6.0
@@ -27,7 +27,7 @@ impl Mesh {
     }
 
     /// Area [mm²].
-    pub(super) fn area_mm2(&self, positions_mm: &[Vec3]) -> f64 {
+    pub(crate) fn area_mm2(&self, positions_mm: &[Vec3]) -> f64 {
         let of_face = |face: &[u32; 3]| {
             let [a, b, c] = face.map(|vertex| positions_mm[vertex as usize]);
             0.5 * (b - a).cross(&(c - a)).norm()
@@ -36,7 +36,7 @@ impl Mesh {
     }
 
     /// The same mesh elsewhere.
-    pub(super) fn moved(mut self, place: impl Fn(Vec3) -> Vec3) -> Self {
+    pub(crate) fn moved(mut self, mut place: impl FnMut(Vec3) -> Vec3) -> Self {
         self.points_mm.iter_mut().for_each(|point| *point = place(*point));
         self
     }
@@ -49,7 +49,7 @@ impl Mesh {
 ///
 /// Schwarz and Christoffel: w(z) = ∫ (1 − t⁶)^(−1/3) dt takes the unit disk to a hexagon with corners at ±K, …; the way
 /// back is dz/dw = (1 − z⁶)^(1/3), integrated from the centre along rays.
-pub(super) fn disk(rings: i32, radius_mm: f64) -> Mesh {
+pub(crate) fn disk(rings: i32, radius_mm: f64) -> Mesh {
     let corner = hexagon_corner();
     let turn = Complex::from_polar(1.0, FRAC_PI_3);
     let mut index = BTreeMap::new();
@@ -107,7 +107,7 @@ fn from_hexagon(w: Complex<f64>) -> Complex<f64> {
 
 /// The cap of a sphere around the origin, out to a polar angle from +z, normals outwards: a [`disk`] carried over by
 /// stereographic projection, which is conformal as well. Its rim is a circle.
-pub(super) fn cap(rings: i32, radius_mm: f64, polar_angle: f64) -> Mesh {
+pub(crate) fn cap(rings: i32, radius_mm: f64, polar_angle: f64) -> Mesh {
     disk(rings, (0.5 * polar_angle).tan()).moved(|point| {
         let squared = point.norm_squared();
         Vec3::new(2.0 * point.x, 2.0 * point.y, 1.0 - squared) * (radius_mm / (1.0 + squared))
@@ -116,7 +116,7 @@ pub(super) fn cap(rings: i32, radius_mm: f64, polar_angle: f64) -> Mesh {
 
 /// A geodesic sphere around the origin of 20 n² triangles, normals outwards: the faces of an icosahedron cut into n² each
 /// and blown up.
-pub(super) fn sphere(n: i32, radius_mm: f64) -> Mesh {
+pub(crate) fn sphere(n: i32, radius_mm: f64) -> Mesh {
     let (corners, icosahedron) = icosahedron();
     let mut index = BTreeMap::new();
     let mut mesh = Mesh::default();
@@ -177,7 +177,7 @@ fn icosahedron() -> (Vec<Vec3>, Vec<[usize; 3]>) {
 
 /// A flat lattice of equilateral triangles of edge 1 mm, n × n pairs of them, inner vertices moved by up to `jitter_mm` in
 /// each direction of the plane. The rim is everything that was not moved.
-pub(super) fn lattice(n: u32, jitter_mm: f64, random: &mut Random) -> Mesh {
+pub(crate) fn lattice(n: u32, jitter_mm: f64, random: &mut Random) -> Mesh {
     let mut mesh = Mesh::default();
     for row in 0..=n {
         for column in 0..=n {
@@ -208,7 +208,7 @@ pub(super) fn lattice(n: u32, jitter_mm: f64, random: &mut Random) -> Mesh {
 
 /// A closed bag of two flat disks in z = 0 that share their rim, of meridians and parallels: what is inextensible along the
 /// meridians is so on this mesh. The first vertex is the lower pole, the last the upper one, the rim is listed.
-pub(super) fn bag(rings: u32, sectors: u32, radius_mm: f64) -> Mesh {
+pub(crate) fn bag(rings: u32, sectors: u32, radius_mm: f64) -> Mesh {
     let on = |ring: u32, sector: u32| 1 + (ring - 1) * sectors + sector % sectors;
     let mut mesh = Mesh::default();
     mesh.points_mm.push(Vec3::zeros());

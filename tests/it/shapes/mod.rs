@@ -1,4 +1,6 @@
-//! Models of shapes with a known answer: tissue on a mesh, and who is held.
+//! Models of plain shapes, as verification and the gallery of hard cases need them: tissue on a mesh, and who is held.
+
+mod meshes;
 
 use coapt::Vec3;
 use coapt::energy::membrane::{self, Membranes};
@@ -7,24 +9,24 @@ use coapt::mesh::topology;
 use coapt::model::{AnnulusLandmarks, LeafletTissue, Model, Prescribed};
 use coapt::scene::{Contact, Settings, Tissue};
 
-pub(super) use super::meshes::{Mesh, bag, cap, disk, lattice, sphere};
+pub(crate) use meshes::{Mesh, bag, cap, disk, lattice, sphere};
 
 /// A membrane of edge springs.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SpringTissue {
+pub(crate) struct SpringTissue {
     /// Thickness times the modulus below the knee [N/mm].
-    pub(super) soft_n_per_mm: f64,
+    pub(crate) soft_n_per_mm: f64,
     /// Thickness times the modulus beyond it [N/mm].
-    pub(super) stiff_n_per_mm: f64,
+    pub(crate) stiff_n_per_mm: f64,
     /// Strain at the knee [1].
-    pub(super) knee: f64,
+    pub(crate) knee: f64,
     /// Modulus in compression over that below the knee [1].
-    pub(super) compression_ratio: f64,
+    pub(crate) compression_ratio: f64,
 }
 
 impl SpringTissue {
     /// The same stiffness in stretch and compression.
-    pub(super) fn linear(stiffness_n_per_mm: f64) -> Self {
+    pub(crate) fn linear(stiffness_n_per_mm: f64) -> Self {
         Self {
             soft_n_per_mm: stiffness_n_per_mm,
             stiff_n_per_mm: stiffness_n_per_mm,
@@ -35,7 +37,7 @@ impl SpringTissue {
 }
 
 /// One spring per edge; each face next to it adds E h A / L² (Van Gelder 1998), as `Model::build` does.
-pub(super) fn springs(mesh: &Mesh, tissue: SpringTissue) -> Springs {
+pub(crate) fn springs(mesh: &Mesh, tissue: SpringTissue) -> Springs {
     let edges = topology::edges(&mesh.faces);
     let at = |vertex: u32| mesh.points_mm[vertex as usize];
     let mut springs = Springs::default();
@@ -59,7 +61,7 @@ pub(super) fn springs(mesh: &Mesh, tissue: SpringTissue) -> Springs {
 }
 
 /// Adds a spring that is the same in stretch and compression.
-pub(super) fn add_spring(springs: &mut Springs, ends: [u32; 2], length_mm: f64, stiffness_n_per_mm: f64) {
+pub(crate) fn add_spring(springs: &mut Springs, ends: [u32; 2], length_mm: f64, stiffness_n_per_mm: f64) {
     springs.ends.push(ends);
     springs.rest_length_mm.push(length_mm);
     springs.transition_length_mm.push(2.0 * length_mm);
@@ -69,7 +71,7 @@ pub(super) fn add_spring(springs: &mut Springs, ends: [u32; 2], length_mm: f64, 
 }
 
 /// A model of nothing but a mesh under pressure: no tissue, no chords, nothing held, nothing touches. One mesh only: the coarse ones that open valves are closed on first are made for leaflets.
-pub(super) fn bare(mesh: &Mesh, pressure_mpa: f64) -> Model {
+pub(crate) fn bare(mesh: &Mesh, pressure_mpa: f64) -> Model {
     Model {
         name: "verification".into(),
         leaflet_vertex_count: mesh.points_mm.len(),
@@ -112,7 +114,7 @@ pub(super) fn bare(mesh: &Mesh, pressure_mpa: f64) -> Model {
 }
 
 /// [`bare`] with a spring on every edge.
-pub(super) fn sprung(mesh: &Mesh, tissue: SpringTissue, pressure_mpa: f64) -> Model {
+pub(crate) fn sprung(mesh: &Mesh, tissue: SpringTissue, pressure_mpa: f64) -> Model {
     Model {
         springs: springs(mesh, tissue),
         ..bare(mesh, pressure_mpa)
@@ -120,7 +122,7 @@ pub(super) fn sprung(mesh: &Mesh, tissue: SpringTissue, pressure_mpa: f64) -> Mo
 }
 
 /// [`bare`] with a triangle of membrane on every face, fibres along x.
-pub(super) fn skinned(mesh: &Mesh, tissue: membrane::Tissue, thickness_mm: f64, pressure_mpa: f64) -> Model {
+pub(crate) fn skinned(mesh: &Mesh, tissue: membrane::Tissue, thickness_mm: f64, pressure_mpa: f64) -> Model {
     let mut model = bare(mesh, pressure_mpa);
     model.membranes.tissues.push(tissue);
     for &face in &mesh.faces {
@@ -132,11 +134,32 @@ pub(super) fn skinned(mesh: &Mesh, tissue: membrane::Tissue, thickness_mm: f64, 
 }
 
 /// Holds vertices where they are at rest.
-pub(super) fn hold(model: &mut Model, vertices: &[u32]) {
+pub(crate) fn hold(model: &mut Model, vertices: &[u32]) {
     let held = |&vertex: &u32| Prescribed {
         vertex,
         target_mm: model.rest_mm[vertex as usize],
     };
     model.prescribed = vertices.iter().map(held).collect();
     model.prescribed.sort_by_key(|held| held.vertex);
+}
+
+pub(crate) fn st_venant_kirchhoff(modulus_mpa: f64, poisson_ratio: f64) -> membrane::Law {
+    membrane::Law::StVenantKirchhoff(membrane::st_venant_kirchhoff::Constants {
+        modulus_mpa,
+        poisson_ratio,
+    })
+}
+
+/// Incompressible: Young's modulus is three times C₀.
+pub(crate) fn neo_hookean(c0_mpa: f64) -> membrane::Law {
+    membrane::Law::Exponential(membrane::exponential::Constants {
+        c0_mpa,
+        c1_mpa: 0.0,
+        c2: 1.0,
+        compressibility_per_mpa: 0.0,
+    })
+}
+
+pub(crate) fn taut(law: membrane::Law) -> membrane::Tissue {
+    membrane::Tissue { law, wrinkles: false }
 }
