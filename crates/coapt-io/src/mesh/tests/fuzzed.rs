@@ -1,0 +1,21 @@
+//! What fuzzing found, and what was found by reading for the same reasons: files that made faults without end, that took the
+//! square of their length, or whose arrays did not fit. `fuzz/README.md` says how it is run.
+
+use super::*;
+
+#[test]
+fn a_fault_quotes_a_long_word_in_part() {
+    let word = "[".repeat(5000);
+    let digits = "9".repeat(5000);
+    for (name, text) in [
+        (
+            "a.vtp",
+            format!("<?xml version=\"1.0\"?><VTKFile type=\"PolyData\"><{word}></a>"),
+        ),
+        ("a.obj", format!("v {digits} 0 0\n")),
+        ("a.obj", format!("v 0,{digits} 0 0\n")),
+    ] {
+        let told = refusal(name, text.as_bytes());
+        assert!(told.iter().all(|line| line.chars().count() < 1100), "{name}");
+    }
+}
