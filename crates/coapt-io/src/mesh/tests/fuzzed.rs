@@ -19,3 +19,13 @@ fn a_fault_quotes_a_long_word_in_part() {
         assert!(told.iter().all(|line| line.chars().count() < 1100), "{name}");
     }
 }
+
+#[test]
+fn warnings_are_told_up_to_twenty() {
+    let strings = "<DataArray type=\"String\" Name=\"a\" format=\"ascii\">0</DataArray>".repeat(30);
+    let text = String::from_utf8(fixture("valve_ascii.vtp")).unwrap();
+    let text = text.replacen("</PointData>", &format!("{strings}</PointData>"), 1);
+    let (_, warnings) = parse("valve.vtp", text.as_bytes()).unwrap();
+    assert_eq!(warnings.len(), 21, "{warnings:#?}");
+    assert!(warnings[20].message.contains("more warnings"), "{warnings:#?}");
+}
