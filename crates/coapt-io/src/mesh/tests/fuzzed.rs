@@ -29,3 +29,20 @@ fn warnings_are_told_up_to_twenty() {
     assert_eq!(warnings.len(), 21, "{warnings:#?}");
     assert!(warnings[20].message.contains("more warnings"), "{warnings:#?}");
 }
+
+#[test]
+fn points_and_cells_that_come_after_their_arrays_are_refused() {
+    let head = "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\n";
+    let points = "POINTS 3 float\n0 0 0 1 0 0 0 1 0\n";
+    let arrays = "POINT_DATA 3\nSCALARS a float\nLOOKUP_TABLE default\n1 2 3\n";
+    let more = "POINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 1\nPOLYGONS 1 4\n3 0 1 2\n";
+    assert_eq!(
+        refusal("a.vtk", format!("{head}{points}{arrays}{more}").as_bytes()),
+        ["a.vtk: array `a` is for 3 points, but there are 4"]
+    );
+    let early = "CELL_DATA 0\nSCALARS b float\nLOOKUP_TABLE default\nPOLYGONS 1 4\n3 0 1 2\n";
+    assert_eq!(
+        refusal("a.vtk", format!("{head}{points}{early}").as_bytes()),
+        ["a.vtk: array `b` is for 0 cells, but there are 1"]
+    );
+}
