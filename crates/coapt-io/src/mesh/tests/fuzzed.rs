@@ -1,7 +1,20 @@
 //! What fuzzing found, and what was found by reading for the same reasons: files that made faults without end, that took the
 //! square of their length, or whose arrays did not fit. `fuzz/README.md` says how it is run.
 
+use std::fmt::Write;
+use std::time::{Duration, Instant};
+
 use super::*;
+
+/// Far more than a file here takes if time grows with its length, far less than if with its square: minutes.
+const LINEAR: Duration = Duration::from_secs(10);
+
+fn timed(name: &str, bytes: &[u8]) -> Read {
+    let start = Instant::now();
+    let read = parse(name, bytes);
+    assert!(start.elapsed() < LINEAR, "{name} took {:?}", start.elapsed());
+    read
+}
 
 #[test]
 fn a_fault_quotes_a_long_word_in_part() {
@@ -45,4 +58,36 @@ fn points_and_cells_that_come_after_their_arrays_are_refused() {
         refusal("a.vtk", format!("{head}{points}{early}").as_bytes()),
         ["a.vtk: array `b` is for 0 cells, but there are 1"]
     );
+}
+
+#[test]
+fn two_elements_of_vertices_are_refused() {
+    let twice =
+        "element vertex 1\nproperty char x\nproperty char y\nproperty char z\nproperty char a\n".repeat(2);
+    assert_eq!(
+        refusal(
+            "a.ply",
+            format!("ply\nformat ascii 1.0\n{twice}end_header\n0 0 0 1\n0 0 1 1\n").as_bytes()
+        ),
+        ["a.ply: the header has two elements `vertex`; expected one"]
+    );
+}
+
+#[test]
+fn a_vertex_of_very_many_properties_is_read_in_the_time_of_its_length() {
+    let mut text = String::from("ply\nformat ascii 1.0\nelement vertex 3\n");
+    for name in ["x", "y", "z"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain((0..100_000).map(|n| format!("a{n}")))
+    {
+        writeln!(text, "property float {name}").unwrap();
+    }
+    text += "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    for point in ["0 0 0", "1 0 0", "0 1 0"] {
+        writeln!(text, "{point}{}", " 7".repeat(100_000)).unwrap();
+    }
+    let (mesh, _) = timed("a.ply", (text + "3 0 1 2\n").as_bytes()).unwrap();
+    assert_eq!(mesh.point_arrays.len(), 100_000);
+    assert!(mesh.point_arrays.iter().all(|array| array.values == [7.0; 3]));
 }
