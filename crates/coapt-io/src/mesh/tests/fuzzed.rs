@@ -91,3 +91,19 @@ fn a_vertex_of_very_many_properties_is_read_in_the_time_of_its_length() {
     assert_eq!(mesh.point_arrays.len(), 100_000);
     assert!(mesh.point_arrays.iter().all(|array| array.values == [7.0; 3]));
 }
+
+#[test]
+fn very_many_vectors_are_turned_in_the_time_of_their_length() {
+    let mut text = String::from(
+        "# vtk DataFile Version 3.0\nSPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 0 1 0 0\nLINES 1 3\n2 0 1\n\
+         POINT_DATA 2\n",
+    );
+    (0..100_000).for_each(|number| writeln!(text, "VECTORS a{number} float\n1 2 3 1 2 3").unwrap());
+    let (mesh, warnings) = timed("a.vtk", text.as_bytes()).unwrap();
+    assert!(
+        mesh.point_arrays
+            .iter()
+            .all(|array| array.values[..2] == [-1.0, -2.0])
+    );
+    assert!(warnings[0].message.chars().count() < 1100);
+}
