@@ -107,3 +107,27 @@ fn very_many_vectors_are_turned_in_the_time_of_their_length() {
     );
     assert!(warnings[0].message.chars().count() < 1100);
 }
+
+/// They would take the square of the file: 30 MB of arrays for these 30 kB, 300 GB for 3 MB.
+#[test]
+fn arrays_that_lie_on_one_another_are_refused() {
+    let count = 1000;
+    let one = format!(
+        "<DataArray type=\"UInt8\" Name=\"a\" NumberOfComponents=\"{count}\" format=\"appended\" offset=\"0\"/>"
+    );
+    let head = "<?xml version=\"1.0\"?><VTKFile type=\"PolyData\" byte_order=\"LittleEndian\"><PolyData>";
+    let points = "<Points><DataArray type=\"UInt8\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0</DataArray></Points>";
+    let piece = format!(
+        "<Piece NumberOfPoints=\"1\"><PointData>{}</PointData>{points}</Piece>",
+        one.repeat(300)
+    );
+    let mut bytes = format!("{head}{piece}</PolyData><AppendedData encoding=\"raw\">_").into_bytes();
+    bytes.extend((count as u32).to_le_bytes());
+    bytes.extend(vec![1; count]);
+    assert_eq!(
+        refusal("a.vtp", &bytes),
+        [
+            "a.vtp:1: array `a` in <PointData>: lies where others do: together they are more than the file holds"
+        ]
+    );
+}
