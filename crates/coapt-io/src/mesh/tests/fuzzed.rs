@@ -131,3 +131,13 @@ fn arrays_that_lie_on_one_another_are_refused() {
         ]
     );
 }
+
+/// It became triangles with a point twice, some of them one on the other.
+#[test]
+fn a_polygon_that_goes_round_twice_is_refused() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 1 2 3\n";
+    assert_eq!(
+        refusal("a.obj", text.as_bytes()),
+        ["a.obj:4: face 0: 6 corners, some of them twice; triangulate it"]
+    );
+}
