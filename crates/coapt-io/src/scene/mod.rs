@@ -28,7 +28,7 @@ use files::Files;
 /// Reads a scene and all files that it names; the second part are the warnings.
 ///
 /// # Errors
-/// All faults found, errors and warnings, if one of them is an error.
+/// All faults found, errors and warnings, up to twenty of each, if one of them is an error.
 pub fn read_scene(path: &Path) -> Result<(Scene, Vec<Fault>), Vec<Fault>> {
     let text = read_text(path).map_err(|fault| vec![fault])?;
     scene_from_text(path, &text)
@@ -53,7 +53,7 @@ pub fn scene_from_text(path: &Path, text: &str) -> Result<(Scene, Vec<Fault>), V
 /// Reads a plan and the ring curves that it names; the second part are the warnings.
 ///
 /// # Errors
-/// All faults found, errors and warnings, if one of them is an error.
+/// All faults found, errors and warnings, up to twenty of each, if one of them is an error.
 pub fn read_plan(path: &Path) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
     let text = read_text(path).map_err(|fault| vec![fault])?;
     plan_from_text(path, &text)
