@@ -21,7 +21,7 @@ use crate::scene::read_text;
 /// Reads a biaxial curve; `thickness_mm` is needed where it holds tensions, and refused where it holds stresses.
 ///
 /// # Errors
-/// Every fault, with its line.
+/// Every fault, with its line; after twenty reading stops.
 pub fn read_biaxial(path: &Path, thickness_mm: Option<f64>) -> Result<Vec<BiaxialPoint>, Vec<Fault>> {
     let text = read_text(path).map_err(|fault| vec![fault])?;
     biaxial_from_text(&path.display().to_string(), &text, thickness_mm)
@@ -57,6 +57,13 @@ pub fn biaxial_from_text(
     }
     let (mut points, mut faults) = (Vec::new(), Vec::new());
     for (number, line) in lines {
+        if faults.len() == FAULT_LIMIT {
+            faults.push(told(
+                number,
+                format!("{FAULT_LIMIT} errors: reading stopped, there may be more"),
+            ));
+            break;
+        }
         match columns.point(line, thickness_mm.unwrap_or(1.0)) {
             Ok(point) => points.push(point),
             Err(message) => faults.push(told(number, message)),
@@ -68,6 +75,9 @@ pub fn biaxial_from_text(
         Err(faults)
     }
 }
+
+/// Faults after which reading stops: enough to see the pattern.
+const FAULT_LIMIT: usize = 20;
 
 fn is_left_out(line: &str) -> bool {
     line.trim().is_empty() || line.trim_start().starts_with('#')
@@ -221,6 +231,8 @@ mod tests {
             ["curve.csv:3", "curve.csv:4", "curve.csv:5", "curve.csv:6"],
             "{found:?}"
         );
+        let many = told(&format!("{header}{}", "x\n".repeat(30)));
+        assert_eq!((many.len(), &many[20][..12]), (21, "curve.csv:22"), "{many:?}");
         assert!(told("")[0].contains("is empty"));
         assert!(told("stretch,stress\n")[0].contains("expected `stretch_circ`"));
         let both = "stretch_circ,stretch_rad,cauchy_stress_circ_kpa,cauchy_stress_rad_kpa,tension_circ_n_per_m,tension_rad_n_per_m\n";

@@ -102,6 +102,11 @@ impl CellReader {
                 }
                 None => site.error("the sides of the quad cross; triangulate it", faults)?,
             },
+            _ if has_twice(&self.corners) => {
+                let count = self.corners.len();
+                let text = format!("{count} corners, some of them twice; triangulate it");
+                site.error(&text, faults)?;
+            }
             _ if !is_planar_and_convex(mesh, &self.corners) => {
                 let count = self.corners.len();
                 let text = format!("{count} corners, not planar and convex; triangulate it");
@@ -235,6 +240,14 @@ impl CellReader {
         site.error(&text, faults)?;
         Ok(false)
     }
+}
+
+/// Whether a polygon passes a point twice: one that goes round a triangle again and again turns left everywhere, as a convex
+/// one does.
+fn has_twice(corners: &[u32]) -> bool {
+    let mut sorted = corners.to_vec();
+    sorted.sort_unstable();
+    sorted.windows(2).any(|pair| pair[0] == pair[1])
 }
 
 fn push_triangle(mesh: &mut PolyData, cell: usize, triangle: [u32; 3]) {

@@ -26,10 +26,12 @@ pub(super) struct Faults {
     pub(super) file: String,
     /// In the order of reading.
     pub(super) list: Vec<Fault>,
+    warnings: usize,
 }
 
-/// Errors after which reading stops: enough to see the pattern.
+/// Errors after which reading stops, and warnings after which they are only counted: enough to see the pattern.
 const ERROR_LIMIT: usize = 20;
+const WARNING_LIMIT: usize = 20;
 
 impl Faults {
     /// No faults yet.
@@ -37,6 +39,7 @@ impl Faults {
         Self {
             file,
             list: Vec::new(),
+            warnings: 0,
         }
     }
 
@@ -64,8 +67,11 @@ impl Faults {
 
     /// Notes something that was repaired or assumed.
     pub(super) fn warning(&mut self, place: Place, message: impl Into<String>) {
-        let place = self.place(place);
-        self.list.push(Fault::warning(place, message));
+        self.warnings += 1;
+        if self.warnings <= WARNING_LIMIT {
+            let place = self.place(place);
+            self.list.push(Fault::warning(place, message));
+        }
     }
 
     /// How many errors there are.
@@ -77,7 +83,12 @@ impl Faults {
     }
 
     /// The result with its warnings, or all faults if one of them is an error.
-    pub(super) fn finish<T>(self, result: Result<T, Stop>) -> Result<(T, Vec<Fault>), Vec<Fault>> {
+    pub(super) fn finish<T>(mut self, result: Result<T, Stop>) -> Result<(T, Vec<Fault>), Vec<Fault>> {
+        if let more @ 1.. = self.warnings.saturating_sub(WARNING_LIMIT) {
+            let place = self.file.clone();
+            self.list
+                .push(Fault::warning(place, format!("and {more} more warnings")));
+        }
         match result {
             Ok(value) if self.error_count() == 0 => Ok((value, self.list)),
             _ => Err(self.list),

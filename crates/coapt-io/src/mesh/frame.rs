@@ -1,5 +1,7 @@
 //! The patient frame of a file: Slicer's mark `SPACE=LPS` or `SPACE=RAS`, and turning RAS into LPS.
 
+use std::collections::BTreeSet;
+
 use coapt::scene::Space;
 
 use super::PolyData;
@@ -48,6 +50,7 @@ pub(super) fn to_lps(mesh: &mut PolyData, vectors: &[String], faults: &mut Fault
         return;
     }
     turn(&mut mesh.points);
+    let vectors: BTreeSet<&String> = vectors.iter().collect();
     let mut turned = Vec::new();
     for array in mesh.point_arrays.iter_mut().chain(&mut mesh.cell_arrays) {
         if array.components == 3 && vectors.contains(&array.name) {

@@ -137,6 +137,7 @@ fn check(mesh: &mut PolyData, faults: &mut Faults) -> Result<(), Stop> {
         let message = format!("no triangles and no lines, only {} points", mesh.points.len());
         return Err(faults.fatal(Place::File, message));
     }
+    check_array_sizes(mesh, faults)?;
     for array in mesh.point_arrays.iter().chain(&mesh.cell_arrays) {
         if let Some(first) = array.values.iter().position(|value| !value.is_finite()) {
             let tuple = first / array.components.max(1);
@@ -147,6 +148,39 @@ fn check(mesh: &mut PolyData, faults: &mut Faults) -> Result<(), Stop> {
             );
             faults.warning(Place::File, message);
         }
+    }
+    Ok(())
+}
+
+/// A file may give its points or its cells a second time, after their arrays.
+fn check_array_sizes(mesh: &PolyData, faults: &mut Faults) -> Result<(), Stop> {
+    let points = mesh.points.len();
+    for array in mesh
+        .point_arrays
+        .iter()
+        .filter(|array| array.tuple_count() != points)
+    {
+        let message = format!(
+            "array `{}` is for {} points, but there are {points}",
+            array.name,
+            array.tuple_count()
+        );
+        faults.error(Place::File, message)?;
+    }
+    let triangles = (0..mesh.triangles.len()).map(|triangle| mesh.triangle_cell(triangle));
+    let lines = (0..mesh.lines.len()).map(|line| mesh.line_cell(line));
+    let cells = triangles.chain(lines).max().map_or(0, |last| last + 1);
+    for array in mesh
+        .cell_arrays
+        .iter()
+        .filter(|array| array.tuple_count() < cells)
+    {
+        let message = format!(
+            "array `{}` is for {} cells, but there are {cells}",
+            array.name,
+            array.tuple_count()
+        );
+        faults.error(Place::File, message)?;
     }
     Ok(())
 }

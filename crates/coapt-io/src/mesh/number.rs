@@ -65,13 +65,16 @@ pub(super) fn parse_number(word: &[u8]) -> Result<f64, String> {
     if let Ok(number) = text.parse::<f64>() {
         let overflows = number.is_infinite() && word.iter().any(u8::is_ascii_digit);
         return if overflows {
-            Err(format!("`{text}` is too large for a number"))
+            Err(format!("`{}` is too large for a number", shortened(&text)))
         } else {
             Ok(number)
         };
     }
     if text.contains(',') && text.replace(',', ".").parse::<f64>().is_ok() {
-        return Err(format!("decimal comma in `{text}`; re-export with \".\""));
+        return Err(format!(
+            "decimal comma in `{}`; re-export with \".\"",
+            shortened(&text)
+        ));
     }
     Err(format!("`{}` is not a number", shortened(&text)))
 }

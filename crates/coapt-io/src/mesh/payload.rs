@@ -18,6 +18,13 @@ pub(super) struct Encoding {
     pub(super) zlib: bool,
 }
 
+impl Encoding {
+    /// How many bytes one stored byte may become.
+    pub(super) fn largest_ratio(self) -> usize {
+        if self.zlib { LARGEST_RATIO } else { 1 }
+    }
+}
+
 /// Deflate cannot shrink by more than 1032 (zlib's technical notes); a block that claims more is a bomb.
 const LARGEST_RATIO: usize = 1032;
 /// Larger arrays are refused.

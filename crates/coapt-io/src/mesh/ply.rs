@@ -3,6 +3,8 @@
 //! Elements `vertex`, `face`, `tristrips` (ends marked -1) and `edge` (`vertex1`, `vertex2`) are read; further
 //! numbers of a vertex become point arrays, with `nx`, `ny`, `nz` joined to `Normals`. Others are passed over.
 
+use std::collections::BTreeMap;
+
 use super::cells::CellReader;
 use super::faults::{Faults, Place, Stop};
 use super::frame;
@@ -38,11 +40,15 @@ pub(super) fn read(bytes: &[u8], faults: &mut Faults) -> Result<PolyData, Stop> 
     let mut text = Scanner::new(bytes);
     let header = read_header(&mut text, &mut mesh, faults)?;
     let mut faces = Faces::default();
+    let mut targets = Vec::new();
     for element in &header.elements {
         check_size(element, &header, &text, faults)?;
         if element.name == "vertex" {
             check_coordinates(element, faults)?;
-            add_arrays(&mut mesh, element);
+            if !targets.is_empty() {
+                return Err(faults.fatal(Place::File, "the header has two elements `vertex`; expected one"));
+            }
+            targets = add_arrays(&mut mesh, element);
         }
         // Elements without properties take no room, whatever their count.
         let count = if element.properties.is_empty() {
@@ -54,7 +60,7 @@ pub(super) fn read(bytes: &[u8], faults: &mut Faults) -> Result<PolyData, Stop> 
             let values = read_element(&mut text, element, i, header.big_endian, faults)?;
             let line = header.big_endian.is_none().then_some(text.line);
             match element.name.as_str() {
-                "vertex" => add_point(&mut mesh, element, &values),
+                "vertex" => add_point(&mut mesh, &targets, &values),
                 "face" | "tristrips" | "edge" => faces.take(element, values, line),
                 _ => {}
             }
@@ -275,49 +281,50 @@ fn check_coordinates(element: &Element, faults: &mut Faults) -> Result<(), Stop>
     }
 }
 
-/// Where a vertex property goes: a coordinate, or a component of an array.
-fn target(name: &str) -> (Option<usize>, &str) {
-    match name {
-        "x" => (Some(0), ""),
-        "y" => (Some(1), ""),
-        "z" => (Some(2), ""),
-        "nx" | "ny" | "nz" => (None, "Normals"),
-        _ => (None, name),
-    }
+/// Where the numbers of a vertex go.
+#[derive(Clone, Copy, Debug)]
+enum Target {
+    Coordinate(usize),
+    Array(usize),
+    /// Lists are passed over.
+    Nowhere,
 }
 
-fn add_arrays(mesh: &mut PolyData, element: &Element) {
-    for property in element
-        .properties
-        .iter()
-        .filter(|property| property.list_length.is_none())
-    {
-        if let (None, name) = target(&property.name) {
-            match mesh.point_arrays.iter_mut().find(|array| array.name == name) {
-                Some(array) => array.components += 1,
-                None => mesh.point_arrays.push(Array {
-                    name: name.to_owned(),
-                    components: 1,
-                    values: Vec::new(),
-                }),
-            }
-        }
-    }
-}
-
-fn add_point(mesh: &mut PolyData, element: &Element, values: &[Vec<f64>]) {
-    let mut point = [0.0; 3];
-    for (property, values) in element.properties.iter().zip(values) {
-        let (Some(&value), None) = (values.first(), property.list_length) else {
-            continue;
+/// Makes the arrays that vertices fill, and says where each property goes; found once, and not again for each vertex.
+fn add_arrays(mesh: &mut PolyData, element: &Element) -> Vec<Target> {
+    let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut targets = Vec::with_capacity(element.properties.len());
+    for property in &element.properties {
+        let name = match property.name.as_str() {
+            "nx" | "ny" | "nz" => "Normals",
+            name => name,
         };
-        match target(&property.name) {
-            (Some(coordinate), _) => point[coordinate] = value,
-            (None, name) => {
-                if let Some(array) = mesh.point_arrays.iter_mut().find(|array| array.name == name) {
-                    array.values.push(value);
-                }
+        let target = match ["x", "y", "z"].iter().position(|axis| *axis == name) {
+            _ if property.list_length.is_some() => Target::Nowhere,
+            Some(axis) => Target::Coordinate(axis),
+            None => Target::Array(*numbers.entry(name).or_insert(mesh.point_arrays.len())),
+        };
+        if let Target::Array(number) = target {
+            if number == mesh.point_arrays.len() {
+                mesh.point_arrays.push(Array {
+                    name: name.to_owned(),
+                    ..Array::default()
+                });
             }
+            mesh.point_arrays[number].components += 1;
+        }
+        targets.push(target);
+    }
+    targets
+}
+
+fn add_point(mesh: &mut PolyData, targets: &[Target], values: &[Vec<f64>]) {
+    let mut point = [0.0; 3];
+    for (target, values) in targets.iter().zip(values) {
+        match *target {
+            Target::Coordinate(axis) => point[axis] = values[0],
+            Target::Array(number) => mesh.point_arrays[number].values.push(values[0]),
+            Target::Nowhere => {}
         }
     }
     mesh.points.push(point);

@@ -1,5 +1,7 @@
 //! VTK XML polydata (.vtp): one piece; arrays in text, inline or appended, raw or base64, plain or zlib.
 
+use std::cell::Cell;
+
 use super::cells::CellReader;
 use super::faults::{Faults, Place, Stop};
 use super::frame;
@@ -27,10 +29,13 @@ pub(super) fn read(bytes: &[u8], faults: &mut Faults) -> Result<PolyData, Stop> 
         let message = format!("{} pieces; merge them into one", document.pieces);
         return Err(faults.fatal(Place::File, message));
     }
+    let stored = appended.map_or(0, |appended| appended.bytes.len());
+    let budget = Cell::new(stored.saturating_mul(document.encoding.largest_ratio()));
     let file = File {
         xml: &xml,
         document: &document,
         appended,
+        budget: &budget,
     };
     file.mesh(faults)
 }
@@ -65,6 +70,9 @@ struct File<'a> {
     xml: &'a str,
     document: &'a Document,
     appended: Option<Appended<'a>>,
+    /// How many bytes all arrays of the appended data may still become. Each may begin anywhere: arrays that lie on one
+    /// another would take the square of the file's length.
+    budget: &'a Cell<usize>,
 }
 
 impl File<'_> {
@@ -244,7 +252,12 @@ impl File<'_> {
         let decoded = match (array.format.as_str(), self.appended) {
             ("appended", None) => Err("the file ends before its appended data".to_owned()),
             ("appended", Some(Appended { bytes, is_base64 })) => match bytes.get(array.offset..) {
-                Some(source) => payload::decode(source, is_base64, encoding, size),
+                Some(source) => payload::decode(source, is_base64, encoding, size).and_then(|data| {
+                    let left = self.budget.get().checked_sub(data.len());
+                    self.budget
+                        .set(left.ok_or("lies where others do: together they are more than the file holds")?);
+                    Ok(data)
+                }),
                 None => Err(format!("offset {} is behind the end of the file", array.offset)),
             },
             ("binary", _) => {

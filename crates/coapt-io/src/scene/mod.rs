@@ -18,7 +18,7 @@ mod wrong_type;
 
 use std::path::Path;
 
-use coapt::scene::{Fault, Plan, Repair, Scene, Space};
+use coapt::scene::{Fault, Plan, Repair, Scene, Severity, Space};
 
 pub use document::read_text;
 pub use locate::{locate, located, sentence};
@@ -30,7 +30,7 @@ use files::Files;
 /// Reads a scene and all files that it names; the second part are the warnings.
 ///
 /// # Errors
-/// All faults found, errors and warnings, if one of them is an error.
+/// All faults found, errors and warnings, up to twenty of each, if one of them is an error.
 pub fn read_scene(path: &Path) -> Result<(Scene, Vec<Fault>), Vec<Fault>> {
     let text = read_text(path).map_err(|fault| vec![fault])?;
     scene_from_text(path, &text)
@@ -69,7 +69,7 @@ pub fn scene_within(
 /// Reads a plan and the ring curves that it names; the second part are the warnings.
 ///
 /// # Errors
-/// All faults found, errors and warnings, if one of them is an error.
+/// All faults found, errors and warnings, up to twenty of each, if one of them is an error.
 pub fn read_plan(path: &Path) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
     let text = read_text(path).map_err(|fault| vec![fault])?;
     plan_from_text(path, &text)
@@ -174,12 +174,35 @@ fn fill_curve(scene: &mut Scene, files: &mut Files) {
     scene.annulus.curve_mm = Some(curve.points_mm);
 }
 
+/// Errors, and warnings, that are told of a scene; more are counted only.
+const FAULT_LIMIT: usize = 20;
+
 /// The value with its warnings, or all faults, those of the scene with their lines.
 fn finish<T>(value: T, name: &str, text: &str, files: Files) -> Result<(T, Vec<Fault>), Vec<Fault>> {
     let any_error = files.any_error();
-    let mut faults = files.in_files;
-    let in_scene = files.in_scene.iter().map(|fault| located(name, text, fault));
-    faults.extend(in_scene);
+    let in_files = files.in_files.into_iter().map(|fault| (fault, false));
+    let in_scene = files.in_scene.into_iter().map(|fault| (fault, true));
+    let (mut faults, mut errors, mut warnings) = (Vec::new(), 0, 0);
+    for (fault, has_key) in in_files.chain(in_scene) {
+        let count = match fault.severity {
+            Severity::Error => &mut errors,
+            Severity::Warning => &mut warnings,
+        };
+        *count += 1;
+        // To find the line of a key is to read the text once more.
+        match (*count <= FAULT_LIMIT, has_key) {
+            (true, true) => faults.push(located(name, text, &fault)),
+            (true, false) => faults.push(fault),
+            (false, _) => {}
+        }
+    }
+    let more = |count: usize| format!("and {} more like these", count - FAULT_LIMIT);
+    if errors > FAULT_LIMIT {
+        faults.push(Fault::error(name, more(errors)));
+    }
+    if warnings > FAULT_LIMIT {
+        faults.push(Fault::warning(name, more(warnings)));
+    }
     if any_error {
         Err(faults)
     } else {

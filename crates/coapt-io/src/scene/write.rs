@@ -1,5 +1,6 @@
 //! A scene as a folder: `scene.toml`, and a `.vtp` per leaflet and per chord group.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use coapt::scene::{Fault, LineMesh, Scene, Space, SurfaceMesh};
@@ -36,7 +37,7 @@ pub fn stage_scene(batch: &mut Batch, folder: &Path, scene: &Scene) -> Result<()
     if scene.space == Space::RAS {
         turn_scene(&mut scene);
     }
-    let mut taken = Vec::new();
+    let mut taken = BTreeMap::new();
     for leaflet in &mut scene.leaflets {
         let Some(mesh) = leaflet.mesh.take() else { continue };
         let file = file_name("leaflet", &leaflet.name, &mut taken);
@@ -60,8 +61,9 @@ pub fn stage_scene(batch: &mut Batch, folder: &Path, scene: &Scene) -> Result<()
     batch.write(&path, text.as_bytes())
 }
 
-/// A name for a file that no other part has; letters that some file system minds become underscores.
-fn file_name(kind: &str, name: &str, taken: &mut Vec<String>) -> String {
+/// A name for a file that no other part has; letters that some file system minds become underscores. `taken` holds the
+/// names and the last number that was put behind each, so that a thousand parts of one name take no million tries.
+fn file_name(kind: &str, name: &str, taken: &mut BTreeMap<String, u32>) -> String {
     let letter = |c: char| {
         if c.is_ascii_alphanumeric() || c == '-' {
             c
@@ -71,13 +73,15 @@ fn file_name(kind: &str, name: &str, taken: &mut Vec<String>) -> String {
     };
     let word: String = name.chars().take(60).map(letter).collect();
     let plain = format!("{kind}_{word}.vtp");
-    let counted = (2_u32..).map(|number| format!("{kind}_{word}_{number}.vtp"));
-    let mut names = std::iter::once(plain).chain(counted);
     // Some file systems tell no case apart.
-    let free = names
-        .find(|name| !taken.contains(&name.to_lowercase()))
-        .unwrap_or_default();
-    taken.push(free.to_lowercase());
+    let mut number = taken.get(&plain.to_lowercase()).copied().unwrap_or(1);
+    let mut free = plain.clone();
+    while taken.contains_key(&free.to_lowercase()) {
+        number += 1;
+        free = format!("{kind}_{word}_{number}.vtp");
+    }
+    taken.insert(plain.to_lowercase(), number);
+    taken.entry(free.to_lowercase()).or_insert(1);
     free
 }
 
@@ -124,5 +128,28 @@ fn array(name: &str, components: usize, values: Vec<f64>) -> Array {
         name: name.into(),
         components,
         values,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Compared with all names before it and tried with all numbers, they would take hours.
+    #[test]
+    fn very_many_parts_of_one_name_get_files_of_their_own() {
+        let mut taken = BTreeMap::new();
+        let mut names = vec![
+            file_name("leaflet", "A", &mut taken),
+            file_name("leaflet", "a 2", &mut taken),
+        ];
+        let start = std::time::Instant::now();
+        names.extend((0..20_000).map(|_| file_name("leaflet", "a", &mut taken)));
+        assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+        assert_eq!(
+            names[..3],
+            ["leaflet_A.vtp", "leaflet_a_2.vtp", "leaflet_a_3.vtp"]
+        );
+        assert_eq!(names[20_001], "leaflet_a_20002.vtp");
     }
 }

@@ -1,6 +1,6 @@
 //! Chordae ready to pull: every rod between two chord points, with rest length, cross-section and law.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::attachment::{self, Anchor, Attached, Segment};
 use super::chord_checks::{check_components, refuse_short_circuits};
@@ -59,39 +59,59 @@ fn drop_duplicates(segments: &mut Vec<Segment>, faults: &mut Faults) {
     }
 }
 
-/// Chord ends that reach nothing carry nothing: leaves them out, and again what they leave behind.
+/// Chord ends that reach nothing carry nothing: leaves them out, and what they leave behind, each segment once.
 fn drop_free_ends(attached: &mut Attached, leaflet: &[Vec3], faults: &mut Faults) {
-    loop {
-        let mut degree = vec![0; attached.nodes.len()];
-        for end in attached.segments.iter().flat_map(|s| s.ends) {
-            if let Anchor::Node(node) = end {
-                degree[node as usize] += 1;
-            }
-        }
-        let free_end = |segment: &Segment| {
-            segment.ends.iter().find_map(|end| match *end {
-                Anchor::Node(node) if degree[node as usize] == 1 => Some(attached.nodes[node as usize]),
-                _ => None,
-            })
-        };
-        let before = attached.segments.len();
-        attached.segments.retain(|segment| match free_end(segment) {
-            Some(at) => {
-                let away = leaflet.iter().map(|p| (p - at).norm()).fold(f64::INFINITY, f64::min);
-                let message = format!(
-                    "its end at ({:.2}, {:.2}, {:.2}) reaches neither tip nor leaflet and it is left out; the \
-                     nearest leaflet point is {away:.2} mm away",
-                    at.x, at.y, at.z
-                );
-                faults.warning(segment.name(), message);
-                false
-            }
-            None => true,
-        });
-        if attached.segments.len() == before {
-            return;
+    let segments = &attached.segments;
+    let mut at_node: Vec<Vec<usize>> = vec![Vec::new(); attached.nodes.len()];
+    for (number, segment) in segments.iter().enumerate() {
+        for node in nodes(segment) {
+            at_node[node].push(number);
         }
     }
+    let mut degree: Vec<usize> = at_node.iter().map(Vec::len).collect();
+    let mut dropped = vec![false; segments.len()];
+    let mut free: VecDeque<usize> = segments
+        .iter()
+        .flat_map(nodes)
+        .filter(|&node| degree[node] == 1)
+        .collect();
+    while let Some(node) = free.pop_front() {
+        let Some(&number) = at_node[node].iter().find(|&&number| !dropped[number]) else {
+            continue;
+        };
+        dropped[number] = true;
+        faults.warning(
+            segments[number].name(),
+            reaches_nothing(attached.nodes[node], leaflet),
+        );
+        for end in nodes(&segments[number]) {
+            degree[end] -= 1;
+            if degree[end] == 1 {
+                free.push_back(end);
+            }
+        }
+    }
+    let mut kept = dropped.iter().map(|dropped| !dropped);
+    attached.segments.retain(|_| kept.next().unwrap_or(true));
+}
+
+fn nodes(segment: &Segment) -> impl Iterator<Item = usize> + use<> {
+    segment.ends.into_iter().filter_map(|end| match end {
+        Anchor::Node(node) => Some(node as usize),
+        _ => None,
+    })
+}
+
+fn reaches_nothing(at: Vec3, leaflet: &[Vec3]) -> String {
+    let away = leaflet
+        .iter()
+        .map(|p| (p - at).norm())
+        .fold(f64::INFINITY, f64::min);
+    format!(
+        "its end at ({:.2}, {:.2}, {:.2}) reaches neither tip nor leaflet and it is left out; the nearest leaflet point is \
+         {away:.2} mm away",
+        at.x, at.y, at.z
+    )
 }
 
 /// Gives vertices numbers and rods their constants.
@@ -214,6 +234,7 @@ fn area_mm2(scene: &Scene, segment: &Segment) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Built;
     use super::super::fixtures::{COLUMNS, ROWS, built, faults, lines, skirt, skirt_point, told};
     use super::*;
     use crate::model::Model;
@@ -293,6 +314,30 @@ mod tests {
         assert_eq!(at(&model, 1, 1), Vec3::from(skirt_point(11, ROWS - 1)), "passes");
         assert_eq!(at(&model, 4, 1), Vec3::from(skirt_point(0, ROWS - 1)));
         assert_eq!(at(&model, 5, 1), Vec3::from(skirt_point(0, ROWS - 1)));
+    }
+
+    /// Far more than it takes when each segment is looked at once; looked at anew for each that is left out, it was minutes.
+    #[test]
+    fn a_long_strand_that_reaches_nothing_is_left_out_in_the_time_of_its_length() {
+        let mut scene = skirt();
+        let mesh = lines(&mut scene);
+        let first = mesh.points_mm.len() as u32;
+        let count = 100_000;
+        mesh.points_mm
+            .extend((1..=count).map(|i| [-12.0 - 0.05 * f64::from(i), -2.0, -28.0]));
+        mesh.segments.push([0, first]);
+        mesh.segments
+            .extend((first..first + count - 1).map(|point| [point, point + 1]));
+        let start = std::time::Instant::now();
+        let Built { model, warnings } = built(&scene);
+        assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+        assert_eq!(model.chords.ends.len(), 6);
+        assert!(told(
+            &warnings,
+            "segment 100005",
+            "reaches neither tip nor leaflet"
+        ));
+        assert!(told(&warnings, "scene", "more like these"));
     }
 
     #[test]

@@ -413,7 +413,7 @@ impl Fault {
         Self {
             severity: Severity::Error,
             place: place.into(),
-            message: message.into(),
+            message: short(message.into()),
         }
     }
 
@@ -422,7 +422,19 @@ impl Fault {
         Self {
             severity: Severity::Warning,
             place: place.into(),
-            message: message.into(),
+            message: short(message.into()),
         }
     }
+}
+
+/// Letters of a message at most: it may quote a file, and one word of a file may be all of it. Our longest own, the list of
+/// all keys of a scene, has a third of these.
+const MOST_LETTERS: usize = 1000;
+
+fn short(mut message: String) -> String {
+    if let Some((end, _)) = message.char_indices().nth(MOST_LETTERS) {
+        message.truncate(end);
+        message.push('…');
+    }
+    message
 }

@@ -6,6 +6,7 @@ use coapt::scene::{Severity, Space};
 
 use super::*;
 
+mod fuzzed;
 mod spoilt;
 mod traps;
 mod variants;

@@ -1,5 +1,6 @@
 //! Scenes with their files: what is read, what is refused, and that writing loses nothing.
 
+mod fuzzed;
 mod laws_page;
 mod schema;
 
