@@ -42,7 +42,7 @@ pub(super) struct HardCase {
 pub(super) enum End {
     /// With a certificate, to the default residual.
     Certified,
-    /// Without one, since there is no balance to be found, with one of these statuses; why stands in the case.
+    /// Without one, with one of these statuses, since there is no balance to be found or the method ends there; and why.
     Uncertified(&'static [Status], &'static str),
     /// Refused with a fault that says these words.
     Refused(&'static str),
