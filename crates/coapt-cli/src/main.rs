@@ -38,7 +38,7 @@ struct Arguments {
 
 const AFTER_HELP: &str = "\
 Exit status: 0 done, 1 failed, 2 wrong usage or wrong input, 3 finished but not certified,
-130 interrupted.
+130 or 143 interrupted.
 For research use; not a medical device.";
 
 #[derive(Debug, Subcommand)]

@@ -1,6 +1,6 @@
 //! Takes out of the surface what is no surface, and refuses what cannot be one; every change is told.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::faults::{Faults, some};
 use super::near_points;
@@ -15,6 +15,7 @@ const SLIVER_ANGLE_DEGREES: f64 = 5.0;
 
 /// Drops faces that are none; opposite twins and holes that a dropped face would leave are errors.
 pub(crate) fn clean(surface: &mut Surface, faults: &mut Faults) {
+    let leaflets_before = surface.face_leaflet.clone();
     let repeated = |f: &[u32; 3]| f[0] == f[1] || f[1] == f[2] || f[2] == f[0];
     drop_faces(surface, |_, face| repeated(face), "use a point twice", faults);
     let twins = twins(surface, faults);
@@ -28,8 +29,21 @@ pub(crate) fn clean(surface: &mut Surface, faults: &mut Faults) {
     drop_faces(surface, |number, _| flat[number], "have no area", faults);
     if surface.faces.is_empty() {
         faults.error("leaflets", "no triangle is left");
+    } else {
+        refuse_lost_leaflets(surface, &leaflets_before, faults);
     }
     compact(surface);
+}
+
+/// A valve without one of its leaflets is another valve.
+fn refuse_lost_leaflets(surface: &Surface, leaflets_before: &[u32], faults: &mut Faults) {
+    let left: BTreeSet<u32> = surface.face_leaflet.iter().copied().collect();
+    let lost = leaflets_before.iter().copied().collect::<BTreeSet<u32>>();
+    for leaflet in lost.difference(&left) {
+        let message =
+            "not one of its triangles is left; is it the same surface as another leaflet, or a point?";
+        faults.error(format!("leaflets[{leaflet}].mesh"), message);
+    }
 }
 
 fn drop_faces(surface: &mut Surface, bad: impl Fn(usize, &[u32; 3]) -> bool, why: &str, faults: &mut Faults) {
@@ -259,6 +273,18 @@ mod tests {
             &built.warnings,
             "leaflets[0].mesh face 33",
             "repeat another"
+        ));
+    }
+
+    #[test]
+    fn a_leaflet_that_is_another_one_is_refused() {
+        let mut scene = skirt();
+        let copy = mesh(&mut scene, 0).clone();
+        *mesh(&mut scene, 1) = copy;
+        assert!(told(
+            &faults(&scene),
+            "leaflets[1].mesh",
+            "not one of its triangles is left"
         ));
     }
 

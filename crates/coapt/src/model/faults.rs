@@ -21,6 +21,11 @@ impl Faults {
         self.warnings.push(Fault::warning(place, message));
     }
 
+    /// A warning that no others may crowd out: what was given is not what is computed.
+    pub(crate) fn warning_above_others(&mut self, place: impl Into<String>, message: impl Into<String>) {
+        self.warnings.insert(0, Fault::warning(place, message));
+    }
+
     pub(crate) fn extend(&mut self, faults: Vec<Fault>) {
         for fault in faults {
             match fault.severity {

@@ -83,7 +83,7 @@ pub(crate) fn untangle(
         return faults.error(place, message);
     }
     surface.points = apart;
-    faults.warning(
+    faults.warning_above_others(
         place,
         format!("{what}; they are drawn apart: {count} points are moved, by {farthest_mm:.2} mm at most"),
     );
