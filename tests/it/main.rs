@@ -7,6 +7,7 @@ mod closure;
 mod coarsen;
 mod contact;
 mod derivatives;
+mod fuzzed;
 mod hard;
 mod kaiser;
 mod laws;
