@@ -174,5 +174,6 @@ pub fn place<'a>(model: &'a Model, surface: &'a Surface, positions_mm: &'a [Vec3
         positions_mm,
         thickness_mm,
         rigid_fraction: rigid_fraction(surface, thickness_mm),
+        kept_fraction: 0.0,
     }
 }

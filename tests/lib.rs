@@ -1,6 +1,9 @@
 //! What several tests need.
 
+pub mod told;
+
 use coapt::Vec3;
+use coapt::energy::pressure;
 use coapt::mesh::parametric::{Preset, ValveParameters, generate};
 use coapt::model::Model;
 use coapt::relax::{Equilibrium, relax};
@@ -43,4 +46,29 @@ pub fn preset_model(preset: Preset, face_count: u32, jitter_mm: f64, jitter_seed
 /// Closes a valve from its open state.
 pub fn close(model: &Model) -> Equilibrium {
     relax(model, &State::open(model))
+}
+
+/// Supports carry what pressure exerts, forces and torques: Σ r = Σ f and Σ x × r = Σ x × f, because everything internal
+/// cancels.
+///
+/// What is left is the sum of the free vertices' residuals, each at most 1e-6 of the mean nodal pressure force, at an arm that
+/// is no longer than the valve is wide.
+///
+/// # Panics
+/// When they do not, which fails the test that asked.
+pub fn assert_balanced(name: &str, model: &Model, equilibrium: &Equilibrium) {
+    let positions = &equilibrium.state.positions_mm;
+    let mut load = vec![Vec3::zeros(); positions.len()];
+    pressure::add_gradient(&model.faces, model.pressure_mpa, positions, &mut load);
+    let left = |(reaction, gradient): (&Vec3, &Vec3)| reaction + gradient;
+    let left: Vec<Vec3> = equilibrium.reactions_n.iter().zip(&load).map(left).collect();
+    let centre = positions.iter().sum::<Vec3>() / positions.len() as f64;
+    let arms: Vec<Vec3> = positions.iter().map(|x| x - centre).collect();
+    let scale_n: f64 = load.iter().map(|force| force.norm()).sum();
+    let longest_mm = arms.iter().map(|arm| arm.norm()).fold(0.0, f64::max);
+    let imbalance = left.iter().sum::<Vec3>().norm() / scale_n;
+    assert!(imbalance <= 1e-6, "{name}: {imbalance:e}");
+    let torque: Vec3 = arms.iter().zip(&left).map(|(arm, force)| arm.cross(force)).sum();
+    let imbalance = torque.norm() / (scale_n * longest_mm);
+    assert!(imbalance <= 1e-6, "{name}: {imbalance:e} of torque");
 }

@@ -203,7 +203,7 @@ fn scale(scene: &mut Scene, which: u8, factor: f64) {
             return scene
                 .chordae
                 .iter_mut()
-                .for_each(|group| group.modulus_mpa *= factor);
+                .for_each(|group| group.modulus_mpa = Some(30.0 * factor));
         }
         3 => {
             return scene

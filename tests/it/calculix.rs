@@ -138,7 +138,7 @@ fn chordae(name: &str, tip_x: f64, law: Option<ChordLaw>, branched: bool) -> Cho
         mesh_file: None,
         mesh: Some(mesh),
         diameter_mm: 1.0,
-        modulus_mpa: 25.0,
+        modulus_mpa: law.is_none().then_some(25.0),
         law,
         rest_length_scale: 1.0,
         insertion_radius_mm: 1.5,

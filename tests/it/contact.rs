@@ -1,23 +1,17 @@
-//! Contact: the broad phase misses nothing, steps tunnel through nothing, the crossing test is right where
-//! rounding would decide.
+//! Contact: the list of pairs misses nothing, and steps tunnel through nothing.
 
 use coapt::Vec3;
-use coapt::contact::broad::{Box3, SweepAndPrune};
 use coapt::contact::crossing::crossings;
 use coapt::contact::gather::PairList;
-use coapt::contact::nearest::{Nearest, edge_edge, point_triangle, triangle_parameters};
+use coapt::contact::nearest::{edge_edge, point_triangle};
 use coapt::contact::pairs::{Pair, PairKind, Place};
 use coapt::contact::step_bound::bound_steps;
 use coapt::contact::surface::Surface;
 use coapt_tests::Random;
-use parry3d_f64::glamx::DVec3;
-use parry3d_f64::query::PointQuery;
-use parry3d_f64::query::details::closest_points_segment_segment_with_locations_nD;
-use parry3d_f64::shape::{Segment, SegmentPointLocation, Triangle};
 use std::collections::BTreeSet;
 
 /// Triangles of edge length about `size` scattered in a cube of side 2, sharing vertices in places.
-fn scattered_triangles(count: u32, size: f64, random: &mut Random) -> (Vec<[u32; 3]>, Vec<Vec3>) {
+pub(crate) fn scattered_triangles(count: u32, size: f64, random: &mut Random) -> (Vec<[u32; 3]>, Vec<Vec3>) {
     let mut positions = Vec::new();
     for _ in 0..count {
         let centre = random.vector();
@@ -29,69 +23,6 @@ fn scattered_triangles(count: u32, size: f64, random: &mut Random) -> (Vec<[u32;
         faces[k][0] = faces[k - 1][2];
     }
     (faces, positions)
-}
-
-fn overlap(one: &Box3, other: &Box3) -> bool {
-    (0..3).all(|axis| one.low[axis] <= other.high[axis] && other.low[axis] <= one.high[axis])
-}
-
-/// Two boxes that overlap are told of once; of others only those that come to it when each grows by what single precision
-/// rounds off a scene some 3 wide, 2⁻²³ of it twice.
-#[test]
-fn sweep_and_prune_finds_what_brute_force_finds_on_a_million_pairs_and_more() {
-    let mut random = Random(11);
-    let mut compared = 0_u64;
-    for (count, size, margin) in [
-        (800, 0.02, 0.0),
-        (800, 0.02, 0.1),
-        (800, 0.1, 0.05),
-        (800, 0.6, 0.0),
-        (1, 1.0, 0.0),
-    ] {
-        let (faces, positions) = scattered_triangles(count, size, &mut random);
-        let boxes = |margin: f64| -> Vec<Box3> {
-            let corners = faces
-                .iter()
-                .map(|face| face.map(|vertex| positions[vertex as usize]));
-            corners.map(|corners| Box3::around(corners, margin)).collect()
-        };
-        let (exact, rounded) = (boxes(margin), boxes(margin + 1e-6));
-        let mut sweep = SweepAndPrune::default();
-        let compare = |found: &BTreeSet<[u32; 2]>, i: usize, j: usize| {
-            let is_found = found.contains(&[i as u32, j as u32]);
-            assert!(is_found || !overlap(&exact[i], &exact[j]), "{i} and {j} missed");
-            assert!(
-                !is_found || overlap(&rounded[i], &rounded[j]),
-                "{i} and {j} far apart"
-            );
-        };
-        // Among all, and between the first third and the rest, as seen from either.
-        let count = exact.len();
-        let among = each_once(sweep.among(&exact).iter().map(|&[i, j]| [i.min(j), i.max(j)]));
-        let third = count / 3;
-        let (ones, others) = exact.split_at(third);
-        let shifted = |&[i, j]: &[u32; 2]| [i, j + third as u32];
-        let between = each_once(sweep.between(ones, others).iter().map(shifted));
-        for i in 0..count {
-            for j in i + 1..count {
-                compare(&among, i, j);
-                if i < third && j >= third {
-                    compare(&between, i, j);
-                }
-                compared += 1;
-            }
-        }
-        let back = sweep.between(others, ones).iter().map(|&[j, i]| shifted(&[i, j]));
-        assert_eq!(each_once(back), between);
-    }
-    assert!(compared > 1_000_000, "{compared}");
-}
-
-fn each_once(pairs: impl ExactSizeIterator<Item = [u32; 2]>) -> BTreeSet<[u32; 2]> {
-    let count = pairs.len();
-    let set: BTreeSet<[u32; 2]> = pairs.collect();
-    assert_eq!(set.len(), count, "each pair once");
-    set
 }
 
 #[test]
@@ -116,6 +47,7 @@ fn the_pair_list_holds_every_pair_in_reach() {
             positions_mm: &here,
             thickness_mm: thickness,
             rigid_fraction: 0.5,
+            kept_fraction: 0.0,
         };
         let mut found = Vec::new();
         list.gather(&place, &step, &mut found);
@@ -183,6 +115,7 @@ fn bounded_steps_never_tunnel() {
                 positions_mm: &positions,
                 thickness_mm: 0.1,
                 rigid_fraction: 0.5,
+                kept_fraction: 0.0,
             };
             bound_steps(&mut list, &place, &mut step, &mut found, &mut allowances);
             // Wherever each vertex stops on its way, nothing crosses.
@@ -215,98 +148,4 @@ fn two_sheets(cells: u32, gap: f64, random: &mut Random) -> (Vec<[u32; 3]>, Vec<
         }
     }
     (faces, positions)
-}
-
-#[test]
-fn crossing_test_sees_a_needle_through_a_sheet_and_decides_exactly() {
-    let v = Vec3::new;
-    let faces = [[0, 1, 2], [3, 4, 5]];
-    let sheet = [v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(0.0, 1.0, 0.0)];
-    let with_needle = |low: f64, high: f64, x: f64| {
-        let mut positions = sheet.to_vec();
-        positions.extend([v(x, 0.2, low), v(x, 0.2, high), v(x + 1e-9, 0.2, 3.0)]);
-        positions
-    };
-    let count = |positions: &[Vec3]| crossings(&Surface::new(&faces, positions), positions).len();
-    assert!(count(&with_needle(-1.0, 1.0, 0.2)) > 0);
-    assert_eq!(count(&with_needle(0.5, 1.0, 0.2)), 0);
-    // The tip just above, just in and just below the sheet.
-    assert_eq!(count(&with_needle(f64::MIN_POSITIVE, 1.0, 0.2)), 0);
-    assert!(count(&with_needle(-f64::MIN_POSITIVE, 1.0, 0.2)) > 0);
-    assert!(count(&with_needle(0.0, 1.0, 0.2)) > 0, "a touch counts");
-    // Beside the sheet.
-    assert_eq!(count(&with_needle(-1.0, 1.0, 1.2)), 0);
-}
-
-#[test]
-fn nearest_points_of_simple_configurations() {
-    let v = Vec3::new;
-    let (a, b, c) = (v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(0.0, 1.0, 0.0));
-    let over_face = point_triangle(&v(0.25, 0.25, 2.0), &a, &b, &c);
-    assert!((over_face.separation_mm - v(0.0, 0.0, 2.0)).norm() < 1e-15);
-    assert_eq!(triangle_parameters(&over_face.weights).count, 2);
-    let off_corner = point_triangle(&v(-3.0, -4.0, 0.0), &a, &b, &c);
-    assert!((off_corner.separation_mm.norm() - 5.0).abs() < 1e-15);
-    let crossing = edge_edge(
-        &v(-1.0, 0.0, 0.0),
-        &v(1.0, 0.0, 0.0),
-        &v(0.0, -1.0, 0.5),
-        &v(0.0, 1.0, 0.5),
-    );
-    assert!((crossing.separation_mm.norm() - 0.5).abs() < 1e-15);
-    assert_eq!(crossing.weights, [0.5, 0.5, -0.5, -0.5]);
-}
-
-/// Parts of which corners coincide or lie on a line or a plane with others, and parts in general position, against parry.
-///
-/// Distances are compared: of degenerate parts several points may be nearest. Corners are of order one, so that rounding
-/// leaves 1e-15, and its square root where parry's own barycentric coordinates of needles cancel.
-#[test]
-fn nearest_points_are_those_of_parry() {
-    let mut random = Random(13);
-    let mut worst = 0.0_f64;
-    for round in 0..40_000 {
-        let corners: [Vec3; 4] = match round % 4 {
-            0 => std::array::from_fn(|_| random.vector()),
-            // On a grid of five places a side: half of them degenerate.
-            1 | 2 => std::array::from_fn(|_| (random.vector() * 2.5).map(f64::round) * 0.5),
-            // On a line.
-            _ => {
-                let (start, along) = (random.vector(), random.vector());
-                std::array::from_fn(|_| start + along * random.signed())
-            }
-        };
-        let [a, b, c, d] = &corners;
-        let point: DVec3 = (*a).into();
-        let triangle = Triangle::new((*b).into(), (*c).into(), (*d).into());
-        let of_parry = triangle.distance_to_local_point(point, false);
-        let ours = point_triangle(a, b, c, d);
-        worst = worst.max(assert_consistent(&ours, &corners) - of_parry);
-        let [first, second] =
-            [(a, b), (c, d)].map(|(start, end)| Segment::new((*start).into(), (*end).into()));
-        let (s, t) =
-            closest_points_segment_segment_with_locations_nD((&first.a, &first.b), (&second.a, &second.b));
-        let of_parry = on(&first, s).distance(on(&second, t));
-        let ours = edge_edge(a, b, c, d);
-        worst = worst.max(assert_consistent(&ours, &corners) - of_parry);
-    }
-    assert!(worst < 1e-12, "farther than parry by {worst:e}");
-}
-
-fn on(segment: &Segment, location: SegmentPointLocation) -> DVec3 {
-    segment.point_at(&location)
-}
-
-/// The separation is what the weights say, and they are means over each part: then no distance can be below the true one.
-/// Returns the distance.
-fn assert_consistent(nearest: &Nearest, corners: &[Vec3; 4]) -> f64 {
-    let separation: Vec3 = corners
-        .iter()
-        .zip(nearest.weights)
-        .map(|(x, weight)| x * weight)
-        .sum();
-    assert!((separation - nearest.separation_mm).norm() < 1e-14);
-    let positive: f64 = nearest.weights.iter().filter(|weight| **weight > 0.0).sum();
-    assert!((positive - 1.0).abs() < 1e-14 && nearest.weights.iter().sum::<f64>().abs() < 1e-14);
-    nearest.separation_mm.norm()
 }

@@ -2,14 +2,24 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use coapt::mesh::parametric::{self, Preset, ValveParameters};
 use coapt::model::{Built, Model};
 use coapt::scene::{Fault, Scene, Severity};
-use coapt_io::scene::{located, nearest, read_text, scene_from_text, sentence};
+use coapt_io::scene::{located, nearest, read_text, scene_within, sentence};
 
 /// Faces of a preset that is closed without being written first: as many as the models of paper 003, so that an
 /// answer is there at once. `coapt generate` writes finer ones.
 pub(crate) const FACES_OF_A_PRESET: u32 = 650;
+
+/// How large a valve may be.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct SizeLimit {
+    /// Refuse valves of more triangles, with an estimate of what closing them would cost [default: what the scene says,
+    /// usually 250000]
+    #[arg(long, value_name = "N")]
+    max_faces: Option<u32>,
+}
 
 /// A valve and where it is from.
 #[derive(Debug)]
@@ -30,16 +40,16 @@ pub(crate) enum Source {
 }
 
 /// Finds and reads a valve; without a name, the healthy one.
-pub(crate) fn open(name: Option<&Path>) -> Result<Case, Vec<Fault>> {
+pub(crate) fn open(name: Option<&Path>, limit: SizeLimit) -> Result<Case, Vec<Fault>> {
     let Some(path) = name else {
-        return preset(Preset::Healthy, FACES_OF_A_PRESET);
+        return preset(Preset::Healthy, FACES_OF_A_PRESET, limit);
     };
     // A link that leads nowhere is told as such.
     if path.symlink_metadata().is_ok() {
-        return read(&scene_file(path));
+        return read(&scene_file(path), limit);
     }
     match path.to_str().and_then(Preset::from_name) {
-        Some(found) => preset(found, FACES_OF_A_PRESET),
+        Some(found) => preset(found, FACES_OF_A_PRESET, limit),
         None => Err(vec![not_found(path)]),
     }
 }
@@ -69,21 +79,23 @@ fn not_found(path: &Path) -> Fault {
 }
 
 /// A preset at about so many triangles.
-pub(crate) fn preset(preset: Preset, face_count_target: u32) -> Result<Case, Vec<Fault>> {
+pub(crate) fn preset(preset: Preset, face_count_target: u32, limit: SizeLimit) -> Result<Case, Vec<Fault>> {
     let parameters = ValveParameters {
         face_count_target,
         ..ValveParameters::preset(preset)
     };
+    let mut scene = parametric::generate(&parameters)?;
+    scene.settings.face_limit = limit.max_faces.unwrap_or(scene.settings.face_limit);
     Ok(Case {
-        scene: parametric::generate(&parameters)?,
+        scene,
         source: Source::Preset(preset),
         warnings: Vec::new(),
     })
 }
 
-fn read(path: &Path) -> Result<Case, Vec<Fault>> {
+fn read(path: &Path, limit: SizeLimit) -> Result<Case, Vec<Fault>> {
     let text = read_text(path).map_err(|fault| vec![fault])?;
-    let (scene, warnings) = scene_from_text(path, &text)?;
+    let (scene, warnings) = scene_within(path, &text, limit.max_faces)?;
     Ok(Case {
         scene,
         source: Source::File(path.to_owned(), text),

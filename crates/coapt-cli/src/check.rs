@@ -3,14 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use coapt::contact::crossing::{Crossing, crossings};
-use coapt::contact::surface::Surface;
 use coapt::model::mesh_quality::SpringQuality;
 use coapt::model::{Model, mesh_quality};
 use coapt::scene::{Fault, Severity};
 use serde_json::json;
 
-use crate::case;
+use crate::case::{self, SizeLimit};
 use crate::closure::Format;
 use crate::output::{Failure, Verdict, fault_line, print};
 
@@ -22,17 +20,17 @@ pub(crate) struct Arguments {
     /// How the faults are printed
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
+    #[command(flatten)]
+    limit: SizeLimit,
 }
 
 /// Runs the verb. The faults are its result, so they go to standard output; errors also make it fail.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    let (model, faults) = match case::open(Some(&arguments.scene)).and_then(|case| case::build(&case)) {
-        Ok((model, mut faults)) => {
-            faults.extend(tangles(&model, &arguments.scene.display().to_string()));
-            (Some(model), faults)
-        }
-        Err(faults) => (None, faults),
-    };
+    let (model, faults) =
+        match case::open(Some(&arguments.scene), arguments.limit).and_then(|case| case::build(&case)) {
+            Ok((model, faults)) => (Some(model), faults),
+            Err(faults) => (None, faults),
+        };
     let count = |severity| faults.iter().filter(|fault| fault.severity == severity).count();
     let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
     let size = model.as_ref().map(|model| {
@@ -110,22 +108,4 @@ fn entry(fault: &Fault) -> serde_json::Value {
 fn springs(model: &Model) -> Vec<(String, SpringQuality)> {
     let named = |quality: SpringQuality| (model.leaflets[quality.leaflet as usize].name.clone(), quality);
     mesh_quality::of_model(model).into_iter().map(named).collect()
-}
-
-/// Faces that cross in the open valve: nobody can tell which side of which they belong to.
-fn tangles(model: &Model, place: &str) -> Option<Fault> {
-    let found = crossings(&Surface::new(&model.faces, &model.rest_mm), &model.rest_mm);
-    let Crossing { edge, face } = *found.first()?;
-    let at = |vertex: u32| model.rest_mm[vertex as usize];
-    let middle = (at(edge[0]) + at(edge[1])) / 2.0;
-    let leaflet = &model.leaflets[model.face_leaflet[face as usize] as usize].name;
-    let message = format!(
-        "surfaces cross in the open valve at {} edges, the first near ({:.2}, {:.2}, {:.2}) mm through the {leaflet} \
-         leaflet; expected an open shape in which nothing crosses",
-        found.len(),
-        middle.x,
-        middle.y,
-        middle.z
-    );
-    Some(Fault::error(place, message))
 }

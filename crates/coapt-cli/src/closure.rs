@@ -5,14 +5,13 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum, value_parser};
 use coapt::model::Model;
-use coapt::relax::relax;
 use coapt::repair::{self, parse_ring_spec};
 use coapt::scene::{Fault, Plan, Repair, SCHEMA_VERSION};
-use coapt::state::State;
 use coapt_io::report::{Closed, Closure, Report, text, write_results};
 use coapt_io::scene::{located, plan_from_text, read_text, sentence};
 
-use crate::case;
+use crate::case::{self, SizeLimit};
+use crate::interrupt::close_watched;
 use crate::output::{Failure, Verdict, print, say};
 
 /// What `coapt closure` understands.
@@ -37,6 +36,8 @@ pub(crate) struct Arguments {
     /// How many threads to use; the result does not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    limit: SizeLimit,
 }
 
 /// How a report is printed.
@@ -50,7 +51,7 @@ pub(crate) enum Format {
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    let case = case::open(arguments.scene.as_deref())?;
+    let case = case::open(arguments.scene.as_deref(), arguments.limit)?;
     let plan = match (&arguments.plan, &arguments.ring) {
         (Some(path), _) => Some(read_plan(path)?),
         (None, Some(spec)) => Some(ring_plan(spec)?),
@@ -146,7 +147,7 @@ fn close(model: Model, mut warnings: Vec<Fault>, planned: Option<&Planned>) -> R
     let mut repairs = Vec::new();
     let Some(planned) = planned else {
         return Ok(Closure {
-            before: timed(model),
+            before: timed("the valve", model),
             after: None,
             repairs,
             warnings,
@@ -167,7 +168,10 @@ fn close(model: Model, mut warnings: Vec<Fault>, planned: Option<&Planned>) -> R
         repairs.push(repaired.report);
         repaired_model = repaired.model;
     }
-    let (before, after) = rayon::join(|| timed(model), || timed(repaired_model));
+    let (before, after) = rayon::join(
+        || timed("before repair", model),
+        || timed("after repair", repaired_model),
+    );
     Ok(Closure {
         before,
         after: Some(after),
@@ -176,10 +180,10 @@ fn close(model: Model, mut warnings: Vec<Fault>, planned: Option<&Planned>) -> R
     })
 }
 
-/// Closes a valve from its open state and takes the time.
-pub(crate) fn timed(model: Model) -> Closed {
+/// Closes a valve from its open state and takes the time; `what` is what an interruption calls it.
+pub(crate) fn timed(what: &str, model: Model) -> Closed {
     let start = Instant::now();
-    let equilibrium = relax(&model, &State::open(&model));
+    let equilibrium = close_watched(what, &model);
     let wall_ms = start.elapsed().as_secs_f64() * 1e3;
     Closed {
         model,

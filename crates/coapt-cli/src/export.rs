@@ -8,7 +8,7 @@ use coapt::scene::Fault;
 use coapt_io::export::{calculix, febio, read_positions, write_export};
 use coapt_io::report::write_closed_surface;
 
-use crate::case::{self, Case};
+use crate::case::{self, Case, SizeLimit};
 use crate::output::{Failure, Verdict, tell};
 
 /// What `coapt export` understands.
@@ -31,6 +31,8 @@ pub(crate) struct Arguments {
     /// The file to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    limit: SizeLimit,
 }
 
 /// An engine that reads what we write.
@@ -44,7 +46,7 @@ enum Engine {
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    let case = case::open(Some(&arguments.scene))?;
+    let case = case::open(Some(&arguments.scene), arguments.limit)?;
     let (model, warnings) = case::build(&case)?;
     tell(&warnings);
     match (arguments.format, &arguments.results) {

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use coapt::mesh::parametric::{self, Preset, ValveParameters};
+use coapt::model::doubts;
 use coapt::scene::Fault;
 use coapt_io::scene::{nearest, sentence, write_scene};
 use serde_json::Value;
 use toml::Value as Toml;
 
-use crate::output::{Failure, Verdict, print};
+use crate::output::{Failure, Verdict, print, tell};
 
 /// What `coapt generate` understands.
 #[derive(Debug, Args)]
@@ -42,6 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         let named = |fault: &Fault| Fault::error("generate", sentence(fault));
         faults.iter().map(named).collect()
     })?;
+    tell(&doubts(&scene));
     refuse_full(&arguments.out, arguments.force)?;
     write_scene(&arguments.out, &scene).map_err(Failure::Outside)?;
     print(&format!("{}\n", arguments.out.join("scene.toml").display()))?;

@@ -7,6 +7,7 @@
 //! | 1 | failed: something outside stood against it, such as a full disk |
 //! | 2 | wrong usage or wrong input |
 //! | 3 | finished, but the result is not certified |
+//! | 130, 143 | interrupted, by Ctrl-C or by being asked to end (SIGTERM) |
 
 mod case;
 mod check;
@@ -15,10 +16,12 @@ mod compare;
 mod export;
 mod fit_tissue;
 mod generate;
+mod interrupt;
 mod output;
 mod personalise;
 mod study;
 
+use std::io::ErrorKind;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -34,7 +37,8 @@ struct Arguments {
 }
 
 const AFTER_HELP: &str = "\
-Exit status: 0 done, 1 failed, 2 wrong usage or wrong input, 3 finished but not certified.
+Exit status: 0 done, 1 failed, 2 wrong usage or wrong input, 3 finished but not certified,
+130 interrupted.
 For research use; not a medical device.";
 
 #[derive(Debug, Subcommand)]
@@ -62,10 +66,15 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => {
             // Help is a result, everything else is wrong usage; a closed pipe changes neither.
-            let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+            let printed = error.print();
+            let lost = printed.is_err_and(|error| error.kind() != ErrorKind::BrokenPipe);
+            return ExitCode::from(match error.use_stderr() {
+                true => 2,
+                false => u8::from(lost),
+            });
         }
     };
+    interrupt::listen();
     let outcome = match &arguments.verb {
         Verb::Closure(arguments) => closure::run(arguments),
         Verb::Check(arguments) => check::run(arguments),

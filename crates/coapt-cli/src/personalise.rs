@@ -9,17 +9,19 @@ use clap::{Args, value_parser};
 use coapt::Vec3;
 use coapt::model::Model;
 use coapt::personalise::{
-    ChordFit, FitSettings, FitStatus, Target, TargetDistance, Tried, annulus_closing_to, fit_chord_lengths,
+    ChordFit, FitSettings, FitStatus, Target, TargetDistance, Tried, annulus_closing_to,
+    fit_chord_lengths_watched,
 };
 use coapt::scene::{Fault, Scene};
-use coapt_io::atomic::write_files;
+use coapt_io::atomic::{Batch, make_folder};
 use coapt_io::mesh::{read_curve, read_mesh};
-use coapt_io::report::{Closure, NOTICE, Report, write_results};
-use coapt_io::scene::{sentence, write_scene};
+use coapt_io::report::{Closure, NOTICE, Report, stage_results};
+use coapt_io::scene::{sentence, stage_scene};
 use serde_json::json;
 
-use crate::case::{self, Source};
+use crate::case::{self, SizeLimit, Source};
 use crate::closure::{Format, on_threads, timed};
+use crate::interrupt::watching;
 use crate::output::{Failure, Verdict, print, say};
 
 /// What `coapt personalise` understands.
@@ -45,11 +47,13 @@ pub(crate) struct Arguments {
     /// How many threads to use; the result does not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    limit: SizeLimit,
 }
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    let mut case = case::open(Some(&arguments.scene))?;
+    let mut case = case::open(Some(&arguments.scene), arguments.limit)?;
     let (mut model, mut warnings) = case::build(&case)?;
     let target = read_target(&arguments.target, &mut warnings)?;
     if let Some(path) = &arguments.annulus {
@@ -65,8 +69,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     }
     let (fit, wall_ms) = on_threads(arguments.threads, || {
         let start = Instant::now();
-        let fit =
-            fit_chord_lengths(&model, &target, &settings).map_err(|faults| in_files(arguments, faults))?;
+        let fit = watching("the fit", |watch| {
+            fit_chord_lengths_watched(&model, &target, &settings, watch)
+        });
+        let fit = fit.map_err(|faults| in_files(arguments, faults))?;
         Ok((fit, start.elapsed().as_secs_f64() * 1e3))
     })?;
     let told = Told {
@@ -205,23 +211,38 @@ fn move_annulus(scene: &mut Scene, model: &Model) {
 }
 
 /// The scene with the fitted factors, the closed valve and the report; without a result the report alone.
-fn write(folder: &Path, mut scene: Scene, told: &Told, warnings: &[Fault]) -> Result<(), Failure> {
-    write_files(folder, &[("personalise.json", told.json())]).map_err(Failure::Outside)?;
-    let Some(tuned) = &told.fit.tuned else {
+fn write(folder: &Path, scene: Scene, told: &Told, warnings: &[Fault]) -> Result<(), Failure> {
+    // Closed once more, for the time that one closure takes; it is the fit's, to the last bit.
+    let closed = |tuned: &Tried| Closure {
+        before: timed("the fitted valve", tuned.model.clone()),
+        after: None,
+        repairs: Vec::new(),
+        warnings: warnings.to_vec(),
+    };
+    let closure = told.fit.tuned.as_ref().map(closed);
+    let mut batch = Batch::default();
+    stage(&mut batch, folder, scene, told, closure.as_ref())
+        .and_then(|()| batch.finish())
+        .map_err(Failure::Outside)
+}
+
+fn stage(
+    batch: &mut Batch,
+    folder: &Path,
+    mut scene: Scene,
+    told: &Told,
+    closure: Option<&Closure>,
+) -> Result<(), Fault> {
+    make_folder(folder)?;
+    batch.write(&folder.join("personalise.json"), told.json().as_bytes())?;
+    let Some(closure) = closure else {
         return Ok(());
     };
     for (group, fitted) in scene.chordae.iter_mut().zip(&told.fit.groups) {
         group.rest_length_scale *= fitted.scale;
     }
-    write_scene(folder, &scene).map_err(Failure::Outside)?;
-    // Closed once more, for the time that one closure takes; it is the fit's, to the last bit.
-    let closure = Closure {
-        before: timed(tuned.model.clone()),
-        after: None,
-        repairs: Vec::new(),
-        warnings: warnings.to_vec(),
-    };
-    write_results(folder, &closure, &Report::new(&closure)).map_err(Failure::Outside)
+    stage_scene(batch, folder, &scene)?;
+    stage_results(batch, folder, closure, &Report::new(closure))
 }
 
 /// What is told of a fit.
@@ -326,6 +347,7 @@ fn status(status: FitStatus) -> &'static str {
         FitStatus::AtBound => "AT A BOUND: a factor lies at an end of its range, a better one may lie beyond",
         FitStatus::IterationLimit => "NOT FINISHED: the search was still moving at its limit",
         FitStatus::NotConverged => "NO RESULT: closures that the fit would stand on did not converge",
+        FitStatus::Interrupted => "NO RESULT: the fit was interrupted",
     }
 }
 

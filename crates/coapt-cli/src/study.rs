@@ -9,16 +9,16 @@ use clap::builder::RangedI64ValueParser;
 use clap::{Args, value_parser};
 use coapt::measure::{VisibleDistance, visible_distance};
 use coapt::model::Model;
-use coapt::relax::{Equilibrium, relax};
+use coapt::relax::Equilibrium;
 use coapt::scene::Fault;
-use coapt::state::State;
 use coapt_io::report::NOTICE;
 use coapt_io::study::{
     ERROR_MEANS, Factor, KNEE_MEANS, Reference, Row, STUDY_SCHEMA, Study, mark, text, write_study,
 };
 
-use crate::case::{self, Case, FACES_OF_A_PRESET, Source};
+use crate::case::{self, Case, FACES_OF_A_PRESET, SizeLimit, Source};
 use crate::closure::on_threads;
+use crate::interrupt::close_watched;
 use crate::output::{Failure, Verdict, print, say};
 
 /// What `coapt study` understands.
@@ -52,6 +52,8 @@ pub(crate) struct Arguments {
     /// How many threads to use; the shapes do not depend on it, the times do [default: one per core]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    limit: SizeLimit,
 }
 
 /// From the coarsest mesh that still looks like a valve to the one at which the leaflets' folds are resolved.
@@ -129,7 +131,7 @@ fn models(arguments: &Arguments) -> Result<(Vec<Model>, Model), Failure> {
 /// The scene at every mesh size, coarsest first, and that of the reference; a scene that is no preset has its own mesh and no
 /// reference.
 fn cases(arguments: &Arguments, usual_faces: &[u32]) -> Result<(Vec<Case>, Option<Case>), Failure> {
-    let case = case::open(arguments.scene.as_deref())?;
+    let case = case::open(arguments.scene.as_deref(), arguments.limit)?;
     let Source::Preset(preset) = case.source else {
         return of_scene(arguments, case);
     };
@@ -142,8 +144,13 @@ fn cases(arguments: &Arguments, usual_faces: &[u32]) -> Result<(Vec<Case>, Optio
     let finest = sizes.last().copied().unwrap_or(FACES_OF_A_PRESET);
     let of_reference = arguments
         .reference_faces
-        .unwrap_or(MOST_FACES.min(finest * REFERENCE_FINER));
-    let of_size = |faces: u32| -> Result<Case, Failure> { Ok(case::preset(preset, faces)?) };
+        .unwrap_or(MOST_FACES.min(finest.saturating_mul(REFERENCE_FINER)));
+    if of_reference < finest {
+        let message =
+            format!("is {of_reference}, coarser than the finest mesh studied; expected at least {finest}");
+        return Err(vec![Fault::error("--reference-faces", message)].into());
+    }
+    let of_size = |faces: u32| -> Result<Case, Failure> { Ok(case::preset(preset, faces, arguments.limit)?) };
     let cases = sizes.into_iter().map(of_size).collect::<Result<Vec<_>, _>>()?;
     Ok((cases, Some(of_size(of_reference)?)))
 }
@@ -205,7 +212,7 @@ fn reference(finest: &Model) -> Option<(Reference, Equilibrium)> {
             "reference: {faces} triangles, residual {residual_tolerance:e} ...\n"
         ));
         let model = with(finest, residual_tolerance, finest.contact.thickness_mm);
-        let exact = relax(&model, &State::open(&model));
+        let exact = close_watched("the reference", &model);
         let reference = Reference {
             faces,
             residual_tolerance,
@@ -300,10 +307,9 @@ fn close((varied, model): (Factor, Model), repeats: u16) -> Closure {
 
 /// A valve closed, and the median time [ms].
 fn timed(model: &Model, repeats: u16) -> (Equilibrium, f64) {
-    let open = State::open(model);
     let once = || {
         let start = Instant::now();
-        let closed = relax(model, &open);
+        let closed = close_watched("a setting", model);
         (closed, start.elapsed().as_secs_f64() * 1e3)
     };
     let (closed, first_ms) = once();

@@ -1,39 +1,160 @@
-//! Writing a file whole or not at all: a reader never meets half a file, and a full disk costs no old result.
+//! Writing files whole or not at all: a reader never meets half a file, and a full disk costs no old result.
+//!
+//! A file is written under another name, `.NAME.PROCESS-COUNT.tmp`, in the folder where it is to be, and renamed when it is
+//! complete. Files that belong together are a [`Batch`]: all are written before the first is renamed, so that whatever may
+//! fail or take time is over by then. A process that is killed between two of the renames leaves some files of each run, each
+//! of them whole. What a killed process leaves under other names is ignored, and removed by a later run that writes the same
+//! names.
 
+use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::{Error, ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use coapt::scene::Fault;
+
+/// Files under other names that are older belong to processes that are gone: none takes so long to write a file. Whether
+/// a process lives cannot be asked where several machines share a folder.
+const STALE: Duration = Duration::from_secs(60 * 60);
+
+/// Files that appear together. Dropped unfinished, it leaves no trace.
+#[derive(Debug, Default)]
+pub struct Batch {
+    /// What is complete, and where it belongs.
+    staged: Vec<[PathBuf; 2]>,
+    unwanted: Vec<PathBuf>,
+}
+
+impl Batch {
+    /// Writes a file in full, for the time being beside its place.
+    ///
+    /// # Errors
+    /// What the file system says, with the path that it speaks of; also where something else than a file has the place.
+    pub fn write(&mut self, path: &Path, bytes: &[u8]) -> std::result::Result<(), Fault> {
+        self.stage(path, bytes).map_err(|error| file_fault(path, &error))
+    }
+
+    fn stage(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
+        // A rename would put a file in the place of a device or a pipe.
+        if std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
+            return Err(Error::new(ErrorKind::AlreadyExists, "is not a regular file"));
+        }
+        let (temporary, mut file) = create_beside(path)?;
+        self.staged.push([temporary, path.to_owned()]);
+        file.write_all(bytes)?;
+        file.sync_all()
+    }
+
+    /// Removes an old file once the new ones are in their places; that there is none is no fault.
+    pub fn remove(&mut self, path: PathBuf) {
+        self.unwanted.push(path);
+    }
+
+    /// Puts all files in their places, where they replace old ones.
+    ///
+    /// # Errors
+    /// What the file system says, with the path that it speaks of. Files before it in the batch are then in their places.
+    pub fn finish(mut self) -> std::result::Result<(), Fault> {
+        let mut register = register();
+        register.finished.clear();
+        for [temporary, path] in &self.staged {
+            std::fs::rename(temporary, path).map_err(|error| file_fault(path, &error))?;
+            register.unfinished.remove(temporary);
+            register.finished.push(path.clone());
+        }
+        self.staged.clear();
+        for path in &self.unwanted {
+            match std::fs::remove_file(path) {
+                Err(error) if error.kind() != ErrorKind::NotFound => return Err(file_fault(path, &error)),
+                _ => {}
+            }
+        }
+        remove_stale(&register.finished);
+        Ok(())
+    }
+}
+
+impl Drop for Batch {
+    fn drop(&mut self) {
+        for [temporary, _] in &self.staged {
+            // Gone where it is in its place already; another error has been told.
+            let _ = std::fs::remove_file(temporary);
+            register().unfinished.remove(temporary);
+        }
+    }
+}
+
+/// What this process is writing.
+#[derive(Debug, Default)]
+struct Register {
+    unfinished: BTreeSet<PathBuf>,
+    /// Files of the batch that was finished last.
+    finished: Vec<PathBuf>,
+}
+
+static REGISTER: Mutex<Register> = Mutex::new(Register {
+    unfinished: BTreeSet::new(),
+    finished: Vec::new(),
+});
+
+fn register() -> MutexGuard<'static, Register> {
+    // Paths are whole whatever a thread that panicked was doing.
+    REGISTER.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// No file of this process is begun or renamed while this lives.
+#[derive(Debug)]
+pub struct Halted(MutexGuard<'static, Register>);
+
+impl Halted {
+    /// The files of the batch that was finished last; none before the first.
+    pub fn finished(&self) -> &[PathBuf] {
+        &self.0.finished
+    }
+}
+
+/// Stops all writing in this process and removes what is not finished; for who is about to end the process. Batches that
+/// are being put in their places come to their end before.
+pub fn halt() -> Halted {
+    let mut register = register();
+    for temporary in std::mem::take(&mut register.unfinished) {
+        let _ = std::fs::remove_file(temporary);
+    }
+    Halted(register)
+}
 
 /// Writes `bytes` to a new file beside `path`, then renames it to `path`, which replaces an old file there.
 ///
 /// # Errors
-/// Whatever the file system says; the old file is then untouched and the new one removed.
-pub fn write_text_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    let (temporary, mut file) = create_beside(path)?;
-    let written = file.write_all(bytes).and_then(|()| file.sync_all());
-    drop(file);
-    let renamed = written.and_then(|()| std::fs::rename(&temporary, path));
-    if renamed.is_err() {
-        // The first error is the one worth telling.
-        let _ = std::fs::remove_file(&temporary);
-    }
-    renamed
+/// What the file system says; the old file is then untouched and the new one removed.
+pub fn write_text_atomically(path: &Path, bytes: &[u8]) -> std::result::Result<(), Fault> {
+    let mut batch = Batch::default();
+    batch.write(path, bytes)?;
+    batch.finish()
 }
 
-/// Writes texts as files of a folder, which is made if need be; each as [`write_text_atomically`] does.
+/// Writes texts as files of a folder, which is made if need be, in one [`Batch`].
 ///
 /// # Errors
 /// What the file system says, with the path that it speaks of.
 pub fn write_files(folder: &Path, files: &[(&str, String)]) -> std::result::Result<(), Fault> {
-    std::fs::create_dir_all(folder).map_err(|error| file_fault(folder, &error))?;
+    make_folder(folder)?;
+    let mut batch = Batch::default();
     for (name, text) in files {
-        let path = folder.join(name);
-        write_text_atomically(&path, text.as_bytes()).map_err(|error| file_fault(&path, &error))?;
+        batch.write(&folder.join(name), text.as_bytes())?;
     }
-    Ok(())
+    batch.finish()
+}
+
+/// Makes a folder and those above it, if need be.
+///
+/// # Errors
+/// What the file system says.
+pub fn make_folder(folder: &Path) -> std::result::Result<(), Fault> {
+    std::fs::create_dir_all(folder).map_err(|error| file_fault(folder, &error))
 }
 
 /// What the file system says of a path.
@@ -47,6 +168,8 @@ fn create_beside(path: &Path) -> Result<(PathBuf, File)> {
     let name = path
         .file_name()
         .ok_or_else(|| Error::new(ErrorKind::InvalidInput, "not a file name"))?;
+    // Held from before the file exists: who halts must know of it.
+    let mut register = register();
     loop {
         let mut hidden = std::ffi::OsString::from(".");
         hidden.push(name);
@@ -58,38 +181,50 @@ fn create_beside(path: &Path) -> Result<(PathBuf, File)> {
         ));
         let temporary = path.with_file_name(hidden);
         match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            Ok(file) => return Ok((temporary, file)),
+            Ok(file) => {
+                register.unfinished.insert(temporary.clone());
+                return Ok((temporary, file));
+            }
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
         }
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn replaces_the_old_file_and_leaves_nothing_beside_it() {
-        let folder = std::env::temp_dir().join(format!("coapt-atomic-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        let path = folder.join("result.txt");
-        write_text_atomically(&path, b"old, and longer").unwrap();
-        write_text_atomically(&path, b"new").unwrap();
-        assert_eq!(std::fs::read(&path).unwrap(), b"new");
-        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
-        std::fs::remove_dir_all(&folder).unwrap();
-    }
-
-    #[test]
-    fn a_target_that_cannot_be_replaced_stays_and_no_temporary_is_left() {
-        let folder = std::env::temp_dir().join(format!("coapt-atomic-folder-{}", std::process::id()));
-        let target = folder.join("a folder");
-        std::fs::create_dir_all(target.join("with content")).unwrap();
-        assert!(write_text_atomically(&target, b"new").is_err());
-        assert!(target.join("with content").is_dir());
-        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
-        assert!(write_text_atomically(Path::new("/"), b"new").is_err());
-        std::fs::remove_dir_all(&folder).unwrap();
+/// Removes what killed processes left of earlier files of these names. That it cannot be removed is nobody's concern.
+fn remove_stale(paths: &[PathBuf]) {
+    let folders: BTreeSet<&Path> = paths.iter().filter_map(|path| path.parent()).collect();
+    for folder in folders {
+        let names = || paths.iter().filter(|path| path.parent() == Some(folder));
+        // A bare file name has an empty parent.
+        let listed = if folder.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            folder
+        };
+        for entry in std::fs::read_dir(listed).into_iter().flatten().flatten() {
+            let is_ours = names().any(|path| is_temporary_of(&entry.file_name(), path));
+            let modified = entry.metadata().and_then(|metadata| metadata.modified());
+            let age = modified.ok().and_then(|time| time.elapsed().ok());
+            if is_ours && age.is_some_and(|age| age > STALE) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
     }
 }
+
+/// Whether a file is called `.NAME.PROCESS-COUNT.tmp` after a path.
+fn is_temporary_of(file: &std::ffi::OsStr, path: &Path) -> bool {
+    let (Some(file), Some(name)) = (file.to_str(), path.file_name().and_then(|name| name.to_str())) else {
+        return false;
+    };
+    let rest = file.strip_prefix('.').and_then(|rest| rest.strip_prefix(name));
+    let middle = rest.and_then(|rest| rest.strip_prefix('.')?.strip_suffix(".tmp"));
+    let digits = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
+    middle
+        .and_then(|middle| middle.split_once('-'))
+        .is_some_and(|(process, count)| digits(process) && digits(count))
+}
+
+#[cfg(test)]
+mod tests;

@@ -18,7 +18,7 @@ use coapt::tissue_fit::BiaxialPoint;
 
 use crate::scene::read_text;
 
-/// Reads a biaxial curve; `thickness_mm` is needed where it holds tensions.
+/// Reads a biaxial curve; `thickness_mm` is needed where it holds tensions, and refused where it holds stresses.
 ///
 /// # Errors
 /// Every fault, with its line; after twenty reading stops.
@@ -46,11 +46,14 @@ pub fn biaxial_from_text(
         )]);
     };
     let columns = Columns::new(header).map_err(|message| vec![told(number, message)])?;
-    if let Load::Tension(_) = columns.load
-        && !thickness_mm.is_some_and(|thickness| thickness.is_finite() && thickness > 0.0)
-    {
-        let message = "holds tensions, of which stresses need a positive thickness [mm]".into();
-        return Err(vec![told(number, message)]);
+    let wrong = match (columns.load, thickness_mm) {
+        (Load::Tension(_), Some(thickness)) if thickness.is_finite() && thickness > 0.0 => None,
+        (Load::Tension(_), _) => Some("holds tensions, of which stresses need a positive thickness [mm]"),
+        (_, Some(_)) => Some("holds stresses, for which a thickness has no meaning; leave it out"),
+        (_, None) => None,
+    };
+    if let Some(message) = wrong {
+        return Err(vec![told(number, message.into())]);
     }
     let (mut points, mut faults) = (Vec::new(), Vec::new());
     for (number, line) in lines {
@@ -179,7 +182,8 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Vec<BiaxialPoint>, Vec<Fault>> {
-        biaxial_from_text("curve.csv", text, Some(0.8))
+        let thickness_mm = text.contains("tension").then_some(0.8);
+        biaxial_from_text("curve.csv", text, thickness_mm)
     }
 
     /// The same state in every kind and unit; 1e-15 is rounding.

@@ -2,6 +2,8 @@
 
 pub mod atomic;
 
+mod encoding;
+
 pub mod mesh;
 
 pub mod scene;

@@ -17,13 +17,13 @@ pub mod mesh;
 
 pub mod energy;
 
+pub mod contact;
+
 pub mod model;
 
 pub mod repair;
 
 pub mod state;
-
-pub mod contact;
 
 pub mod coarsen;
 

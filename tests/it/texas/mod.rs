@@ -49,6 +49,7 @@ fn touching(model: &Model, positions: &[Vec3]) -> Vec<bool> {
         positions_mm: positions,
         thickness_mm,
         rigid_fraction: rigid_fraction(&surface, thickness_mm),
+        kept_fraction: 0.0,
     };
     let mut pairs = Vec::new();
     PairList::default().gather(&place, &vec![Vec3::zeros(); positions.len()], &mut pairs);

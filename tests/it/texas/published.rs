@@ -157,7 +157,7 @@ impl Published {
             mesh_file: None,
             mesh: Some(mesh),
             diameter_mm: 1.0,
-            modulus_mpa: 30.0,
+            modulus_mpa: None,
             law: Some(chord_law(name)),
             rest_length_scale: 1.0,
             insertion_radius_mm: 0.0,

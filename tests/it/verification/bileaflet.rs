@@ -172,6 +172,7 @@ fn contact_force_n(model: &Model, positions_mm: &[Vec3]) -> f64 {
         positions_mm,
         thickness_mm,
         rigid_fraction: rigid_fraction(&surface, thickness_mm),
+        kept_fraction: 0.0,
     };
     let still = vec![Vec3::zeros(); positions_mm.len()];
     let (mut pairs, mut gradient) = (Vec::new(), still.clone());

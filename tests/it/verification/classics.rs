@@ -7,7 +7,7 @@ use coapt::scene::ChordLaw;
 use coapt_tests::Random;
 
 use super::report;
-use super::shapes::{cap, lattice};
+use crate::shapes::{cap, lattice};
 
 /// Pressure on a surface pushes as on any other surface with the same rim: p times the rim's vector area, ½ Σ x × x'.
 /// Here a crumpled sheet; what is left is rounding.

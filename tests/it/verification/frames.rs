@@ -7,11 +7,16 @@ use coapt::model::Model;
 use coapt::scene::ChordLaw;
 
 use super::references::root;
-use super::shapes::{Mesh, add_spring, bare, hold};
 use super::{error, oracle, report, settled};
+use crate::shapes::{Mesh, add_spring, bare, hold};
 
 /// Bars between points, some held. Faces carry nothing; they make a mesh of it.
-fn frame(points_mm: Vec<Vec3>, faces: Vec<[u32; 3]>, bars: &[([u32; 2], f64)], held: &[u32]) -> Model {
+pub(crate) fn frame(
+    points_mm: Vec<Vec3>,
+    faces: Vec<[u32; 3]>,
+    bars: &[([u32; 2], f64)],
+    held: &[u32],
+) -> Model {
     let mesh = Mesh {
         points_mm,
         faces,
@@ -39,7 +44,7 @@ fn truss_force_n(height_mm: f64) -> f64 {
 }
 
 /// dP/dy = 0 where L³ = L₀ b², hence P = 2 k (L₀^(2/3) − b^(2/3))^(3/2).
-fn largest_truss_force_n() -> f64 {
+pub(crate) fn largest_truss_force_n() -> f64 {
     let power = |x: f64| x.powf(2.0 / 3.0);
     2.0 * BAR_N_PER_MM * (power(HALF_SPAN_MM.hypot(RISE_MM)) - power(HALF_SPAN_MM)).powf(1.5)
 }
@@ -55,7 +60,7 @@ fn guide_force_n(height_mm: f64) -> f64 {
 }
 
 /// Von Mises' truss under a force on its apex.
-fn truss(force_n: f64, guides: bool) -> Model {
+pub(crate) fn truss(force_n: f64, guides: bool) -> Model {
     let apex = Vec3::new(0.0, 0.0, RISE_MM);
     let points = vec![
         apex,
@@ -116,10 +121,8 @@ fn a_truss_without_guides_ends_hanging() {
     assert!(error(truss_force_n(height_mm), force_n) < 1e-6);
 }
 
-/// A straight chain whose supports come together by a fifth: it does not stay compressed, a balance that lasts no longer than
-/// nothing pushes it, but gives way sideways until no link resists any more.
-#[test]
-fn a_compressed_chain_buckles_and_slackens() {
+/// A straight chain of eight links whose supports come together by a fifth.
+pub(crate) fn compressed_chain() -> Model {
     let points: Vec<Vec3> = (0..=8)
         .map(|i| Vec3::x() * f64::from(i))
         .chain([Vec3::new(4.0, 50.0, 0.0)])
@@ -128,6 +131,14 @@ fn a_compressed_chain_buckles_and_slackens() {
     let faces = (0..8).map(|i| [i, i + 1, 9]).collect();
     let mut model = frame(points, faces, &bars, &[0, 8, 9]);
     model.prescribed[1].target_mm.x = 6.4;
+    model
+}
+
+/// It does not stay compressed, a balance that lasts no longer than nothing pushes it, but gives way sideways until no link
+/// resists any more.
+#[test]
+fn a_compressed_chain_buckles_and_slackens() {
+    let model = compressed_chain();
     let equilibrium = settled("compressed chain", &model, model.rest_mm.clone());
     let positions = &equilibrium.state.positions_mm;
     let energy = bilinear_spring::energy(&model.springs, positions);
@@ -210,27 +221,34 @@ fn piecewise() -> ChordLaw {
     }
 }
 
-/// A chain of n equal links with a weight at each joint: all links pull sideways with the same H, and each holds one weight
-/// more than the next, so that a link's force is (H, (n/2 − i − ½) w) and all of them together span the supports. It starts as
-/// a taut line, which resists weights across it with nothing.
-#[test]
-fn a_hanging_chain_is_a_catenary() {
-    const LINKS: u32 = 20;
-    const STIFFNESS_N_PER_MM: f64 = 100.0;
-    const WEIGHT_N: f64 = 0.01;
-    // Supports come together by a fifth.
-    const SPAN_MM: f64 = 16.0;
+const LINKS: u32 = 20;
+const LINK_N_PER_MM: f64 = 100.0;
+const WEIGHT_N: f64 = 0.01;
+/// Supports come together by a fifth.
+const SPAN_MM: f64 = 16.0;
+
+/// A chain of equal links with a weight at each joint, whose supports come together.
+pub(crate) fn hanging_chain() -> Model {
     let mut points: Vec<Vec3> = (0..=LINKS).map(|i| Vec3::x() * f64::from(i)).collect();
     points.push(Vec3::new(10.0, 50.0, 0.0));
-    let bars: Vec<([u32; 2], f64)> = (0..LINKS).map(|i| ([i, i + 1], STIFFNESS_N_PER_MM)).collect();
+    let bars: Vec<([u32; 2], f64)> = (0..LINKS).map(|i| ([i, i + 1], LINK_N_PER_MM)).collect();
     let faces = (0..LINKS).map(|i| [i, i + 1, LINKS + 1]).collect();
     let mut model = frame(points, faces, &bars, &[0, LINKS, LINKS + 1]);
     model.prescribed[1].target_mm.x = SPAN_MM;
     model.dead_loads_n = (1..LINKS).map(|i| (i, Vec3::z() * -WEIGHT_N)).collect();
+    model
+}
+
+/// All of n links pull sideways with the same H, and each holds one weight more than the next, so that a link's force is
+/// (H, (n/2 − i − ½) w) and all of them together span the supports. It starts as a taut line, which resists weights across
+/// it with nothing.
+#[test]
+fn a_hanging_chain_is_a_catenary() {
+    let model = hanging_chain();
     let down = |i: u32| (0.5 * f64::from(LINKS) - f64::from(i) - 0.5) * WEIGHT_N;
     let link = |h: f64, i: u32| {
         let pull = h.hypot(down(i));
-        (1.0 + pull / STIFFNESS_N_PER_MM) / pull
+        (1.0 + pull / LINK_N_PER_MM) / pull
     };
     let span = |h: f64| (0..LINKS).map(|i| h * link(h, i)).sum::<f64>() - SPAN_MM;
     let sideways_n = root(span, 1e-3, 10.0);

@@ -1,7 +1,9 @@
 //! The membranes' laws once more, as energies of the principal stretches, written down from their sources and not from the
 //! code under test; stresses from them by differences.
 
-use coapt::energy::membrane::{Law, Tissue, exponential, may_newman, st_venant_kirchhoff};
+use coapt::energy::membrane::{Law, exponential, may_newman};
+
+use crate::shapes::{neo_hookean, st_venant_kirchhoff};
 
 /// Energy per unloaded volume [MPa] of tissue stretched by λ₁ along its fibres and λ₂ across.
 pub(super) fn energy_mpa(law: &Law, [a, b]: [f64; 2]) -> f64 {
@@ -54,23 +56,6 @@ pub(super) fn stresses_mpa(law: &Law, [a, b]: [f64; 2]) -> [f64; 2] {
     ]
 }
 
-pub(super) fn st_venant_kirchhoff(modulus_mpa: f64, poisson_ratio: f64) -> Law {
-    Law::StVenantKirchhoff(st_venant_kirchhoff::Constants {
-        modulus_mpa,
-        poisson_ratio,
-    })
-}
-
-/// Incompressible: Young's modulus is three times C₀.
-pub(super) fn neo_hookean(c0_mpa: f64) -> Law {
-    Law::Exponential(exponential::Constants {
-        c0_mpa,
-        c1_mpa: 0.0,
-        c2: 1.0,
-        compressibility_per_mpa: 0.0,
-    })
-}
-
 /// One of each law; stresses of the order of 1 MPa at stretches of 1.1.
 pub(super) fn one_of_each() -> [(&'static str, Law); 5] {
     let exponential = |compressibility_per_mpa: f64| {
@@ -95,8 +80,4 @@ pub(super) fn one_of_each() -> [(&'static str, Law); 5] {
             }),
         ),
     ]
-}
-
-pub(super) fn taut(law: Law) -> Tissue {
-    Tissue { law, wrinkles: false }
 }

@@ -6,19 +6,17 @@
 //! meshes.
 
 mod bileaflet;
-mod circular;
+pub(crate) mod circular;
 mod classics;
-mod frames;
+pub(crate) mod frames;
 mod laws;
-mod meshes;
 mod mylar;
 mod patch;
 mod patch_membranes;
 mod references;
-mod shapes;
 mod sphere_membranes;
 mod spheres;
-mod squeezed_tube;
+pub(crate) mod squeezed_tube;
 mod strips;
 
 use coapt::Vec3;

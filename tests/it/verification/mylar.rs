@@ -7,10 +7,9 @@ use coapt::Vec3;
 use coapt::energy::membrane::Tissue;
 use coapt::model::Model;
 
-use super::laws::st_venant_kirchhoff;
 use super::references::integral;
-use super::shapes::{Mesh, SpringTissue, bag, hold, skinned, sprung};
 use super::{error, oracle, report, settled};
+use crate::shapes::{Mesh, SpringTissue, bag, hold, skinned, sprung, st_venant_kirchhoff};
 
 const RADIUS_MM: f64 = 10.0;
 /// p a / (E h) [1].

@@ -9,14 +9,14 @@ use coapt::model::mesh_quality::{self, MOST_SOFTENING, MOST_STIFFNESS_ERROR, Spr
 use coapt_tests::Random;
 use nalgebra::{DMatrix, DVector};
 
-use super::shapes::{Mesh, SpringTissue, bare, hold, lattice, sprung};
 use super::{oracle, order, report, settled};
+use crate::shapes::{Mesh, SpringTissue, bare, hold, lattice, sprung};
 
 /// Displacements (u, v) of all vertices of a sheet of springs in the plane, those on the rim given, and the energy stored
 /// [mm], [N·mm].
 fn solved(mesh: &Mesh, tissue: SpringTissue, given: impl Fn(Vec3) -> Vec3) -> (Vec<Vec3>, f64) {
     let count = mesh.points_mm.len();
-    let springs = super::shapes::springs(mesh, tissue);
+    let springs = crate::shapes::springs(mesh, tissue);
     let mut tangent = DMatrix::<f64>::zeros(2 * count, 2 * count);
     bilinear_spring::add_hessian(
         &springs,

@@ -6,10 +6,10 @@ use coapt::relax::Equilibrium;
 use coapt::{Mat3, Vec3};
 use nalgebra::Rotation3;
 
-use super::laws::{one_of_each, st_venant_kirchhoff, stresses_mpa, taut};
+use super::laws::{one_of_each, stresses_mpa};
 use super::patch::{macneal_harder, macneal_harder_way};
-use super::shapes::{Mesh, hold, skinned};
 use super::{error, order, report, settled};
+use crate::shapes::{Mesh, hold, skinned, st_venant_kirchhoff, taut};
 
 const THICKNESS_MM: f64 = 1e-3;
 

@@ -6,10 +6,10 @@ use coapt::energy::membrane::{Law, exponential};
 use coapt::relax::{Status, relax};
 use coapt::state::State;
 
-use super::laws::{neo_hookean, st_venant_kirchhoff, stresses_mpa, taut};
-use super::shapes::{cap, hold, skinned, sphere};
+use super::laws::stresses_mpa;
 use super::spheres::{CAP_ANGLE, RADIUS_MM, crown_error, stretch_of};
 use super::{error, oracle, order, report};
+use crate::shapes::{cap, hold, neo_hookean, skinned, sphere, st_venant_kirchhoff, taut};
 
 const THICKNESS_MM: f64 = 0.5;
 

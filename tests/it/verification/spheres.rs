@@ -16,8 +16,8 @@ use coapt::state::State;
 use coapt_tests::Random;
 
 use super::references::root;
-use super::shapes::{Mesh, SpringTissue, cap, hold, sphere, sprung};
 use super::{error, order, report, settled};
+use crate::shapes::{Mesh, SpringTissue, cap, hold, sphere, sprung};
 
 pub(super) const RADIUS_MM: f64 = 15.0;
 const STIFFNESS_N_PER_MM: f64 = 0.05;

@@ -7,8 +7,8 @@ use coapt::energy::bilinear_spring::Springs;
 use coapt::model::{Model, Prescribed};
 use coapt::scene::Contact;
 
-use super::shapes::{Mesh, add_spring, bare};
 use super::{error, report, settled};
+use crate::shapes::{Mesh, add_spring, bare};
 
 const RADIUS_MM: f64 = 10.0;
 const HALF_WIDTH_MM: f64 = 2.0;
@@ -92,12 +92,11 @@ fn a_free_tube_pulls_with_pressure_times_radius() {
     assert!(worst < 1e-4 && off < 2e-3);
 }
 
-/// Between plates at a distance H a tube of fixed perimeter P lies flat over (P − π H)/2 on each side, for the rest is two
-/// half circles, T = p H/2; each plate carries p times that, per depth. Here P = 20π and H = 12: 4π.
-#[test]
-fn a_tube_between_plates_lies_flat_as_far_as_its_perimeter_allows() {
-    const THICKNESS_MM: f64 = 0.1;
-    const HEIGHT_MM: f64 = 12.0;
+const THICKNESS_MM: f64 = 0.1;
+const HEIGHT_MM: f64 = 12.0;
+
+/// The tube, all but inextensible, and a large triangle over and another under it, which come together to a distance H.
+pub(crate) fn tube_between_plates() -> Model {
     let mut model = tube(PRESSURE_MPA / 1e-5);
     model.contact = Contact {
         thickness_mm: THICKNESS_MM,
@@ -124,6 +123,15 @@ fn a_tube_between_plates_lies_flat_as_far_as_its_perimeter_allows() {
         Prescribed { vertex, target_mm }
     };
     model.prescribed = (first..first + 6).map(plate).collect();
+    model
+}
+
+/// Between plates at a distance H a tube of fixed perimeter P lies flat over (P − π H)/2 on each side, for the rest is two
+/// half circles, T = p H/2; each plate carries p times that, per depth. Here P = 20π and H = 12: 4π.
+#[test]
+fn a_tube_between_plates_lies_flat_as_far_as_its_perimeter_allows() {
+    let model = tube_between_plates();
+    let first = 3 * AROUND;
     // Pressure on the plates is not the tube's.
     let plate_n = |corner: u32| {
         let [a, b, c] = [0, 1, 2].map(|k| model.rest_mm[(corner + k) as usize]);

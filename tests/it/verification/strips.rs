@@ -5,7 +5,7 @@ use coapt::energy::bilinear_spring::Springs;
 use coapt::model::{LeafletTissue, Margin, Model, Prescribed};
 use coapt::scene::{ChordLaw, Contact, Tissue};
 
-use super::shapes::{Mesh, add_spring, bare};
+use crate::shapes::{Mesh, add_spring, bare};
 
 pub(super) const PRESSURE_MPA: f64 = 0.016;
 pub(super) const HALF_WIDTH_MM: f64 = 2.0;

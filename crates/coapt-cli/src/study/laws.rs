@@ -3,9 +3,8 @@
 use coapt::energy::membrane::may_newman::{ANTERIOR, POSTERIOR};
 use coapt::measure::{measure, visible_distance};
 use coapt::model::Model;
-use coapt::relax::{Equilibrium, relax};
+use coapt::relax::Equilibrium;
 use coapt::scene::Leaflet;
-use coapt::state::State;
 use coapt::tissue_fit::each_law::{Told, in_each_law};
 use coapt_io::report::NOTICE;
 use coapt_io::study::{
@@ -15,6 +14,7 @@ use coapt_io::study::{
 use super::{Arguments, cases, prepare, timed};
 use crate::case::{self, Case, FACES_OF_A_PRESET};
 use crate::closure::on_threads;
+use crate::interrupt::close_watched;
 use crate::output::{Failure, Verdict, print, say};
 
 /// Runs the verb.
@@ -102,7 +102,7 @@ fn study(
 
 fn close_once(case: &mut Case, laws: &[Vec<Told>; 2], number: usize) -> Result<Closure, Failure> {
     let model = under(case, laws, number)?;
-    let closed = relax(&model, &State::open(&model));
+    let closed = close_watched("the reference", &model);
     Ok(Closure { model, closed })
 }
 

@@ -2,33 +2,11 @@
 
 use std::path::Path;
 
-use crate::program::{Folder, coapt, status, stderr};
+use crate::program::{Folder, coapt, status, stderr, with_membranes};
 
 /// The small healthy valve with leaflets of a law that other engines have.
 fn membrane_valve(folder: &Folder) -> String {
-    let valve = folder.valve(&[]);
-    let scene = Path::new(&valve).join("scene.toml");
-    let text = std::fs::read_to_string(&scene).unwrap();
-    let springs = [
-        "law = \"bilinear-springs\"",
-        "pre_transition_modulus_mpa",
-        "transition_strain",
-        "post_transition_modulus_mpa",
-        "compression_modulus_ratio",
-        "bending_modulus_ratio",
-    ];
-    let membrane: Vec<&str> = text
-        .lines()
-        .filter_map(
-            |line| match springs.iter().position(|key| line.starts_with(key)) {
-                None => Some(line),
-                Some(0) => Some("law = \"st-venant-kirchhoff\"\nmodulus_mpa = 0.4"),
-                Some(_) => None,
-            },
-        )
-        .collect();
-    std::fs::write(&scene, membrane.join("\n")).unwrap();
-    valve
+    with_membranes(&folder.valve(&[]))
 }
 
 #[test]
@@ -42,6 +20,12 @@ fn export_writes_a_valve_for_each_engine() {
         assert!(output.stdout.is_empty());
         let text = std::fs::read_to_string(&out).unwrap();
         assert!(text.starts_with(beginning), "{}", &text[..80]);
+        let head: Vec<&str> = text.lines().take(5).collect();
+        assert!(
+            head.iter()
+                .any(|line| line.contains("research use, not a medical device")),
+            "{head:?}"
+        );
     }
 }
 
@@ -84,6 +68,15 @@ fn export_turns_a_result_into_a_surface() {
     let said = stderr(&output);
     assert!(
         said.contains("result.csv:2: node 1: found `up`; expected a finite number"),
+        "{said}"
+    );
+    // What CalculiX leaves of a run that failed.
+    std::fs::write(&results, "\n").unwrap();
+    let output = coapt(&["export", &valve, "--results", &results, "--out", &out]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(
+        said.contains("result.csv is empty; expected displacements"),
         "{said}"
     );
 }

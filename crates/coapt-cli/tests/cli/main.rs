@@ -3,6 +3,8 @@
 mod closure;
 mod compare;
 mod export;
+mod faults;
+mod interruption;
 mod personalise;
 mod program;
 mod real_data;

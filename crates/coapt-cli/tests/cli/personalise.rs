@@ -169,6 +169,13 @@ fn a_biaxial_curve_becomes_a_block_of_a_scene() {
         "{}",
         stderr(&output)
     );
+    let output = coapt(&["fit-tissue", &curve, "--thickness", "0.8"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(
+        said.contains("curve.csv:1: holds stresses, for which a thickness has no meaning"),
+        "{said}"
+    );
 }
 
 /// The scene that is read stays as it is.

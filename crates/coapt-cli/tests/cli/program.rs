@@ -1,6 +1,7 @@
 //! The program, and a folder to run it in.
 
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 pub(crate) fn coapt(arguments: &[&str]) -> Output {
@@ -63,6 +64,74 @@ impl Drop for Folder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }
+}
+
+/// A generated valve with leaflets of a law that other engines have.
+pub(crate) fn with_membranes(valve: &str) -> String {
+    let scene = Path::new(valve).join("scene.toml");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    let springs = [
+        "law = \"bilinear-springs\"",
+        "pre_transition_modulus_mpa",
+        "transition_strain",
+        "post_transition_modulus_mpa",
+        "compression_modulus_ratio",
+        "bending_modulus_ratio",
+    ];
+    let membrane: Vec<&str> = text
+        .lines()
+        .filter_map(
+            |line| match springs.iter().position(|key| line.starts_with(key)) {
+                None => Some(line),
+                Some(0) => Some("law = \"st-venant-kirchhoff\"\nmodulus_mpa = 0.4"),
+                Some(_) => None,
+            },
+        )
+        .collect();
+    std::fs::write(&scene, membrane.join("\n")).unwrap();
+    valve.to_owned()
+}
+
+/// Files by their path below a folder; of reports all but the times.
+pub(crate) type Snapshot = BTreeMap<String, Vec<u8>>;
+
+/// All complete files below a folder.
+pub(crate) fn snapshot(folder: &Path) -> Snapshot {
+    let timeless = |bytes: Vec<u8>| match String::from_utf8(bytes) {
+        Ok(text) => text
+            .lines()
+            .filter(|line| !line.contains("wall_ms"))
+            .collect::<Vec<_>>()
+            .join("\n")
+            .into_bytes(),
+        Err(error) => error.into_bytes(),
+    };
+    let complete = files(folder).into_iter().filter(|name| !name.ends_with(".tmp"));
+    complete
+        .map(|name| {
+            let bytes = timeless(std::fs::read(folder.join(&name)).unwrap());
+            (name, bytes)
+        })
+        .collect()
+}
+
+/// What is left below a folder of files that were not finished.
+pub(crate) fn temporaries(folder: &Path) -> Vec<String> {
+    let mut names = files(folder);
+    names.retain(|name| name.ends_with(".tmp"));
+    names
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
+        let name = entry.file_name().into_string().unwrap();
+        match entry.file_type().unwrap().is_dir() {
+            true => names.extend(files(&entry.path()).iter().map(|file| format!("{name}/{file}"))),
+            false => names.push(name),
+        }
+    }
+    names
 }
 
 /// `../shared` beside the repository, or what `COAPT_SHARED` names; where it is absent, nothing, and the test says so.

@@ -133,3 +133,28 @@ fn a_study_of_a_scene_has_its_own_mesh_and_wrong_lists_are_refused() {
     let file = folder.path("valve/scene.toml");
     assert_eq!(status(&["study", "--out", &file]), Some(2));
 }
+
+/// Against a coarser mesh an error would say nothing.
+#[test]
+fn a_reference_coarser_than_the_mesh_is_refused() {
+    let folder = Folder::new("study-coarse");
+    let out = folder.path("out");
+    for laws in [&["--laws"][..], &[]] {
+        let coarse = [
+            "study",
+            "healthy",
+            "--faces",
+            "150,300",
+            "--reference-faces",
+            "200",
+            "--out",
+            &out,
+        ];
+        let output = coapt(&[&coarse[..], laws].concat());
+        assert_eq!(output.status.code(), Some(2));
+        let said = stderr(&output);
+        let told = "--reference-faces is 200, coarser than the finest mesh studied; expected at least 300";
+        assert!(said.contains(told), "{said}");
+        assert!(!Path::new(&out).exists());
+    }
+}

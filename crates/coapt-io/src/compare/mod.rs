@@ -16,8 +16,8 @@ use coapt::measure::compare::{CompareSettings, Comparison, ErrorMap, compare};
 use coapt::scene::{Fault, Space};
 use serde::Serialize;
 
-use crate::atomic::write_files;
-use crate::mesh::{Array, PolyData, write_vtp};
+use crate::atomic::{Batch, make_folder};
+use crate::mesh::{Array, PolyData, stage_vtp};
 use crate::report::NOTICE;
 use crate::scene::sentence;
 
@@ -108,11 +108,15 @@ impl ComparisonReport {
 /// # Errors
 /// What the file system says.
 pub fn write_comparison(folder: &Path, result: &ReadSurface, report: &ComparisonReport) -> Result<(), Fault> {
-    write_files(folder, &[("comparison.json", report.json()?)])?;
-    write_vtp(
+    make_folder(folder)?;
+    let mut batch = Batch::default();
+    batch.write(&folder.join("comparison.json"), report.json()?.as_bytes())?;
+    stage_vtp(
+        &mut batch,
         &folder.join("error.vtp"),
         &error_map(&result.mesh, &report.comparison.map),
-    )
+    )?;
+    batch.finish()
 }
 
 /// The surface of the result with the error at each of its points.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::*;
-use crate::mesh::read_mesh;
+use crate::mesh::{read_mesh, write_vtp};
 
 /// A folder that is gone at the end.
 struct Folder(PathBuf);

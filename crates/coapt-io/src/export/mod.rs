@@ -27,14 +27,15 @@ pub use calculix::calculix;
 pub use febio::febio;
 pub use results::read_positions;
 
-use crate::atomic::{file_fault, write_text_atomically};
+use crate::atomic::write_text_atomically;
+use crate::report::NOTICE;
 
 /// Writes an exported model.
 ///
 /// # Errors
 /// What the file system says; the old file is then untouched.
 pub fn write_export(path: &Path, text: &str) -> Result<(), Fault> {
-    write_text_atomically(path, text.as_bytes()).map_err(|error| file_fault(path, &error))
+    write_text_atomically(path, text.as_bytes())
 }
 
 /// A line more. Writing to a string cannot fail.
@@ -51,6 +52,7 @@ fn heading(model: &Model, engine: &str, cards: &[String], lost: &[&str]) -> Vec<
             plain(&model.name),
             env!("CARGO_PKG_VERSION")
         ),
+        NOTICE.to_owned(),
         "units: mm, N, MPa; node v + 1 is vertex v of the model; element f + 1 is its face f".to_owned(),
     ];
     for (leaflet, card) in model.leaflets.iter().zip(cards) {

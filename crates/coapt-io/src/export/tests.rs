@@ -217,7 +217,7 @@ fn springs_pull_as_chordae_of_every_law() {
         scene
             .chordae
             .iter_mut()
-            .for_each(|group| group.law = Some(law.clone()));
+            .for_each(|group| (group.modulus_mpa, group.law) = (None, Some(law.clone())));
         let model = Model::build(&scene).unwrap().model;
         let text = calculix(&model).unwrap();
         assert_eq!(

@@ -102,14 +102,14 @@ impl CellReader {
                 }
                 None => site.error("the sides of the quad cross; triangulate it", faults)?,
             },
-            _ if has_twice(&self.corners) => {
-                let count = self.corners.len();
-                let text = format!("{count} corners, some of them twice; triangulate it");
-                site.error(&text, faults)?;
-            }
             _ if !is_planar_and_convex(mesh, &self.corners) => {
                 let count = self.corners.len();
                 let text = format!("{count} corners, not planar and convex; triangulate it");
+                site.error(&text, faults)?;
+            }
+            _ if has_twice(&self.corners) => {
+                let count = self.corners.len();
+                let text = format!("{count} corners, some of them twice; triangulate it");
                 site.error(&text, faults)?;
             }
             [first, others @ ..] => {
@@ -305,6 +305,14 @@ mod tests {
         let (triangles, said) = split(&square, &[0.0, 2.0, 1.0, 3.0]);
         assert!(triangles.is_empty());
         assert_eq!(said, ["the sides of the quad cross; triangulate it"]);
+        // A trapezoid, nearly flat, whose longer side is hardly longer: its crossed diagonals are parallel but for rounding.
+        let flat = [
+            [16.45, 7.0, 0.0],
+            [9.5, 12.12, 0.0],
+            [8.36, 10.67, -5.0],
+            [14.48, 6.16, -5.0],
+        ];
+        assert!(split(&flat, &[0.0, 2.0, 1.0, 3.0]).0.is_empty());
     }
 
     #[test]

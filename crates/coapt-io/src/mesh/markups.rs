@@ -275,7 +275,7 @@ pub fn write_markups_curve(path: &Path, name: &str, curve: &Curve) -> Result<(),
     };
     let mut text = serde_json::to_vec_pretty(&file).map_err(|error| fault(error.to_string()))?;
     text.push(b'\n');
-    write_text_atomically(path, &text).map_err(|error| fault(error.to_string()))
+    write_text_atomically(path, &text)
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@
 //! `stl_io`, `ply-rs-bw` and `tobj` stop at the first fault and mostly without its line, want UTF-8 where
 //! Slicer and scanners write names in Latin-1, and `stl_io` and `tobj` read coordinates in single precision.
 
+mod announced;
 mod cells;
 mod curve;
 mod faults;
@@ -41,9 +42,11 @@ use std::path::Path;
 
 use coapt::scene::Fault;
 
+pub(crate) use announced::announced_triangles;
 pub use curve::{Curve, read_curve};
 pub use markups::{MarkupPoints, read_points, write_markups_curve};
 pub use polydata::{Array, PolyData};
+pub(crate) use write::stage_vtp;
 pub use write::{write_pvd, write_vtp};
 
 use faults::{Faults, Place, Stop};

@@ -53,10 +53,13 @@ pub(super) fn split_quad(mesh: &PolyData, corners: [u32; 4]) -> Option<Halves> {
             folded,
         })
     };
+    // Not by the warp: of a quad whose sides cross the diagonals may be parallel, and their distance means nothing.
+    let volume = dot(subtract(point(b), point(a)), across).abs();
+    let is_planar = volume <= PLANAR_TOLERANCE * ac_squared.max(bd_squared).powf(1.5);
     match (folded(shorter), folded(longer)) {
         (false, _) => halves(shorter, false),
         (true, false) => halves(longer, false),
-        (true, true) if warp_mm <= PLANAR_TOLERANCE * ac_squared.max(bd_squared).sqrt() => None,
+        (true, true) if is_planar => None,
         (true, true) => halves(shorter, true),
     }
 }

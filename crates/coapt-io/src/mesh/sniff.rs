@@ -1,6 +1,7 @@
 //! What a file is, by its content.
 
 use super::faults::{Faults, Place, Stop};
+use crate::encoding;
 
 /// The formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,21 +42,17 @@ impl Format {
     }
 }
 
-/// The bytes after a UTF-8 byte order mark; UTF-16 is refused.
+/// The bytes after a UTF-8 byte order mark; other encodings and archives are refused.
 pub(super) fn without_byte_order_mark<'a>(bytes: &'a [u8], faults: &mut Faults) -> Result<&'a [u8], Stop> {
     if let Some(rest) = bytes.strip_prefix(b"\xef\xbb\xbf") {
         faults.warning(Place::File, "begins with a UTF-8 byte order mark, skipped");
         return Ok(rest);
     }
-    let marked = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
-    // Unmarked: every other byte of the first four characters is zero.
-    let alternate = |zero: usize| {
-        bytes.len() >= 8 && (0..8).all(|i| (bytes[i] == 0) == (i % 2 == zero)) && !is_binary_stl(bytes)
-    };
-    if (marked && !is_binary_stl(bytes)) || alternate(0) || alternate(1) {
-        return Err(faults.fatal(Place::File, "is text in UTF-16; save it as UTF-8"));
+    // A binary STL may begin with any bytes.
+    match encoding::refusal(bytes).filter(|_| !is_binary_stl(bytes)) {
+        Some(message) => Err(faults.fatal(Place::File, message)),
+        None => Ok(bytes),
     }
-    Ok(bytes)
 }
 
 /// The format of these bytes; warns where the extension promises another.
@@ -136,9 +133,7 @@ fn is_obj(text: &[u8]) -> bool {
 
 /// Why these bytes are not read, as helpfully as they allow.
 fn refusal(bytes: &[u8]) -> String {
-    let known: [(&[u8], &str); 7] = [
-        (b"\x1f\x8b", "is compressed with gzip; unpack it"),
-        (b"PK\x03\x04", "is a zip archive; unpack it"),
+    let known: [(&[u8], &str); 5] = [
         (b"OFF", "is OFF, which is not read; convert it to PLY"),
         (b"glTF", "is glTF, which is not read; convert it to PLY"),
         (

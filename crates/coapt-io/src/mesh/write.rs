@@ -10,7 +10,7 @@ use coapt::scene::Fault;
 use quick_xml::escape::escape;
 
 use super::{Array, PolyData};
-use crate::atomic::write_text_atomically;
+use crate::atomic::{Batch, file_fault, write_text_atomically};
 
 /// Writes a mesh, marked `SPACE=LPS` as Slicer does. Each segment and each triangle becomes a cell with the
 /// values of the cell it is a part of.
@@ -19,9 +19,15 @@ use crate::atomic::write_text_atomically;
 /// A number that is not finite, a point that does not exist, an array of the wrong size, or what the file system
 /// says. The old file is then untouched.
 pub fn write_vtp(path: &Path, mesh: &PolyData) -> Result<(), Fault> {
-    let fault = |message: String| Fault::error(path.display().to_string(), message);
-    let bytes = vtp_bytes(mesh).map_err(fault)?;
-    write_text_atomically(path, &bytes).map_err(|error| fault(error.to_string()))
+    let mut batch = Batch::default();
+    stage_vtp(&mut batch, path, mesh)?;
+    batch.finish()
+}
+
+/// The same as part of a batch.
+pub(crate) fn stage_vtp(batch: &mut Batch, path: &Path, mesh: &PolyData) -> Result<(), Fault> {
+    let bytes = vtp_bytes(mesh).map_err(|message| file_fault(path, &message))?;
+    batch.write(path, &bytes)
 }
 
 /// Writes the list of mesh files and their times [s]; files are named relative to the list.
@@ -46,7 +52,7 @@ pub fn write_pvd(path: &Path, frames: &[(f64, String)]) -> Result<(), Fault> {
         );
     }
     text.push_str("  </Collection>\n</VTKFile>\n");
-    write_text_atomically(path, text.as_bytes()).map_err(|error| fault(error.to_string()))
+    write_text_atomically(path, text.as_bytes())
 }
 
 /// The XML and the data that are appended to it.

@@ -11,7 +11,7 @@ use coapt::repair;
 use coapt::scene::{Fault, MMHG_MPA, RingFamily};
 use serde::Serialize;
 
-pub use surfaces::{write_closed_surface, write_results};
+pub use surfaces::{stage_results, write_closed_surface, write_results};
 pub use text::text;
 pub(crate) use text::{line, number};
 

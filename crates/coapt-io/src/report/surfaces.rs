@@ -18,31 +18,48 @@ use coapt::repair;
 use coapt::scene::Fault;
 
 use super::{Closed, Closure, Report};
-use crate::atomic::{file_fault, write_files};
-use crate::mesh::{Array, PolyData, write_vtp};
+use crate::atomic::{Batch, make_folder};
+use crate::mesh::{Array, PolyData, stage_vtp, write_vtp};
 
-/// Writes all results into a folder, which is made if need be; files of the same names are replaced. The same closure
-/// gives the same bytes, but for the wall-clock times in the report.
+/// Writes all results into a folder, which is made if need be; files of the same names are replaced, all of them once all are
+/// written. The same closure gives the same bytes, but for the wall-clock times in the report.
 ///
 /// # Errors
 /// What the file system says.
 pub fn write_results(folder: &Path, closure: &Closure, report: &Report) -> Result<(), Fault> {
-    write_files(folder, &[("report.json", report.json()?)])?;
+    let mut batch = Batch::default();
+    stage_results(&mut batch, folder, closure, report)?;
+    batch.finish()
+}
+
+/// The same as part of a batch.
+///
+/// # Errors
+/// As [`write_results`].
+pub fn stage_results(
+    batch: &mut Batch,
+    folder: &Path,
+    closure: &Closure,
+    report: &Report,
+) -> Result<(), Fault> {
+    make_folder(folder)?;
+    batch.write(&folder.join("report.json"), report.json()?.as_bytes())?;
     let Some(after) = &closure.after else {
-        remove_valve(&folder.join("before"))?;
-        remove_valve(&folder.join("after"))?;
-        return write_valve(folder, &closure.before);
+        remove_valve(batch, &folder.join("before"));
+        remove_valve(batch, &folder.join("after"));
+        return stage_valve(batch, folder, &closure.before);
     };
-    remove_valve(folder)?;
-    write_valve(&folder.join("before"), &closure.before)?;
-    write_valve(&folder.join("after"), after)?;
+    remove_valve(batch, folder);
+    stage_valve(batch, &folder.join("before"), &closure.before)?;
+    stage_valve(batch, &folder.join("after"), after)?;
     for (number, report) in closure.repairs.iter().enumerate() {
         let repair::Report::Ring(ring) = report;
         let name = match number {
             0 => "ring.vtp".to_owned(),
             _ => format!("ring_{}.vtp", number + 1),
         };
-        write_vtp(
+        stage_vtp(
+            batch,
             &folder.join("after").join(name),
             &polyline(&ring.curve_mm, ring.closed),
         )?;
@@ -60,39 +77,37 @@ const VALVE_FILES: [&str; 5] = [
     "ring.vtp",
 ];
 
-fn remove_valve(folder: &Path) -> Result<(), Fault> {
-    for path in VALVE_FILES.map(|name| folder.join(name)) {
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(file_fault(&path, &error));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
+fn remove_valve(batch: &mut Batch, folder: &Path) {
+    VALVE_FILES
+        .iter()
+        .for_each(|name| batch.remove(folder.join(name)));
 }
 
-fn make(folder: &Path) -> Result<(), Fault> {
-    std::fs::create_dir_all(folder).map_err(|error| file_fault(folder, &error))
-}
-
-fn write_valve(folder: &Path, closed: &Closed) -> Result<(), Fault> {
-    make(folder)?;
+fn stage_valve(batch: &mut Batch, folder: &Path, closed: &Closed) -> Result<(), Fault> {
+    make_folder(folder)?;
     let model = &closed.model;
     let positions = &closed.equilibrium.state.positions_mm;
-    write_vtp(&folder.join("open.vtp"), &leaflets(model, &model.rest_mm))?;
-    write_closed_surface(&folder.join("closed.vtp"), model, positions)?;
+    stage_vtp(batch, &folder.join("open.vtp"), &leaflets(model, &model.rest_mm))?;
+    stage_vtp(
+        batch,
+        &folder.join("closed.vtp"),
+        &closed_surface(model, positions),
+    )?;
     if model.chords.ends.is_empty() {
         return Ok(());
     }
-    write_vtp(&folder.join("open_chords.vtp"), &chords(model, &model.rest_mm))?;
+    stage_vtp(
+        batch,
+        &folder.join("open_chords.vtp"),
+        &chords(model, &model.rest_mm),
+    )?;
     let mut lines = chords(model, positions);
     lines.cell_arrays.push(array(
         "force_n",
         1,
         measure::chord_forces(model, positions).into_iter(),
     ));
-    write_vtp(&folder.join("chords.vtp"), &lines)
+    stage_vtp(batch, &folder.join("chords.vtp"), &lines)
 }
 
 /// Writes `closed.vtp` under any name, from positions of any source: the leaflets with what is known at every point.
@@ -100,9 +115,13 @@ fn write_valve(folder: &Path, closed: &Closed) -> Result<(), Fault> {
 /// # Errors
 /// A position that is not finite, or what the file system says.
 pub fn write_closed_surface(path: &Path, model: &Model, positions_mm: &[Vec3]) -> Result<(), Fault> {
+    write_vtp(path, &closed_surface(model, positions_mm))
+}
+
+fn closed_surface(model: &Model, positions_mm: &[Vec3]) -> PolyData {
     let mut surface = leaflets(model, positions_mm);
     surface.point_arrays.extend(at_points(model, positions_mm));
-    write_vtp(path, &surface)
+    surface
 }
 
 /// The leaflets in some position.

@@ -78,8 +78,10 @@ fn verdict(solve: &Solve) -> Option<String> {
         Status::IterationLimit => reasons.push("the iteration limit came first".to_owned()),
         Status::Stalled => reasons.push("the solver made no progress any more".to_owned()),
         Status::TangledStart => reasons.push("surfaces cross in the open valve already".to_owned()),
+        Status::Interrupted => reasons.push("it was interrupted".to_owned()),
     }
-    if !solve.stable {
+    // After an interruption nobody has looked.
+    if !solve.stable && solve.status != Status::Interrupted {
         reasons.push("the shape is not stable".to_owned());
     }
     if solve.crossings > 0 {

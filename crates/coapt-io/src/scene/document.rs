@@ -10,7 +10,10 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::json_text::blank_entry;
 use super::nearest::nearest;
+use super::wrong_type;
+use crate::encoding;
 
 /// Larger texts are refused: a scene with a mesh of half a million faces written into it takes less.
 const SIZE_LIMIT_BYTES: u64 = 64 << 20;
@@ -42,15 +45,18 @@ pub fn read_text(path: &Path) -> Result<String, Fault> {
             SIZE_LIMIT_BYTES >> 20
         )));
     }
-    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err(fault("is text in UTF-16; save it as UTF-8".into()));
+    if let Some(message) = encoding::refusal(&bytes) {
+        return Err(fault(message.into()));
     }
     let text = String::from_utf8(bytes).map_err(|error| {
         let line = error.as_bytes()[..error.utf8_error().valid_up_to()]
             .iter()
             .filter(|&&byte| byte == b'\n')
             .count();
-        Fault::error(format!("{}:{}", path.display(), line + 1), "is not UTF-8 text")
+        Fault::error(
+            format!("{}:{}", path.display(), line + 1),
+            "is not UTF-8 text; save it as UTF-8",
+        )
     })?;
     if text.trim().is_empty() {
         return Err(fault("is empty".into()));
@@ -64,25 +70,20 @@ pub(super) fn is_json(text: &str) -> bool {
     text.trim_start().starts_with(['{', '['])
 }
 
-/// Reads a document. Of TOML, all syntax faults or all unknown keys are told; of JSON, the first fault.
+/// Reads a document. Of TOML, all syntax faults, or all unknown keys and wrong types are told; of JSON, all unknown keys up to
+/// the first other fault.
 ///
 /// # Errors
 /// Faults with their place as `file:line:column`.
 pub(super) fn parse<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Fault>> {
     if is_json(text) {
-        parse_json(file, text).map_err(|fault| vec![fault])
+        parse_json(file, text)
     } else {
         parse_toml(file, text)
     }
 }
 
-fn parse_json<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Fault> {
-    let fault = |error: serde_json::Error| {
-        let told = error.to_string();
-        let message = told.split(" at line ").next().unwrap_or(&told);
-        let place = format!("{file}:{}:{}", error.line().max(1), error.column().max(1));
-        Fault::error(place, plain(message).0)
-    };
+fn parse_json<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Fault>> {
     #[derive(serde::Deserialize)]
     struct Version {
         schema_version: Option<u64>,
@@ -93,9 +94,30 @@ fn parse_json<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Fault> {
     }) = serde_json::from_str(text)
         && let Some(message) = wrong_version(version)
     {
-        return Err(Fault::error(format!("{file}: schema_version"), message));
+        return Err(vec![Fault::error(format!("{file}: schema_version"), message)]);
     }
-    serde_json::from_str(text).map_err(fault)
+    let mut bytes = text.as_bytes().to_vec();
+    let mut found = Vec::new();
+    loop {
+        let error = match serde_json::from_slice::<T>(&bytes) {
+            Ok(value) if found.is_empty() => return Ok(value),
+            Ok(_) => return Err(found),
+            Err(error) => error,
+        };
+        let told = error.to_string();
+        let (message, unknown) = plain(told.split(" at line ").next().unwrap_or(&told));
+        let [line, column] = [error.line(), error.column()].map(|number| number.max(1));
+        found.push(Fault::error(format!("{file}:{line}:{column}"), message));
+        let line_start = text
+            .split_inclusive('\n')
+            .take(line - 1)
+            .map(str::len)
+            .sum::<usize>();
+        let blank = |key: String| blank_entry(&mut bytes, &key, line_start + column - 1);
+        if found.len() >= FAULT_LIMIT || unknown.and_then(blank).is_none() {
+            return Err(found);
+        }
+    }
 }
 
 fn wrong_version(version: u64) -> Option<String> {
@@ -166,6 +188,7 @@ fn syntax(text: &str, span: &Range<usize>, message: &str) -> String {
         Some([b',', next]) if after_digit && digit(Some(next)) => {
             "decimal comma; write numbers with \".\"".to_owned()
         }
+        _ if message.starts_with("cannot recurse further") => "brackets are nested too deeply".to_owned(),
         _ if message.contains("number overflowed") => {
             let word: String = text.get(span.start..).unwrap_or("").chars().take(40).collect();
             let end = word.find(|c: char| !(c.is_ascii_alphanumeric() || "+-._".contains(c)));
@@ -178,8 +201,8 @@ fn syntax(text: &str, span: &Range<usize>, message: &str) -> String {
     }
 }
 
-/// The value, or what is wrong and at which byte. An unknown key is told and taken out, so that the next one is
-/// found as well.
+/// The value, or what is wrong and at which byte. An unknown key is told and taken out, and a value of a wrong type is told
+/// and replaced by one of the right type, so that the next fault is found as well.
 fn deserialize<T: DeserializeOwned>(mut table: Spanned<DeTable<'_>>) -> Result<T, Vec<(usize, String)>> {
     let mut found = Vec::new();
     loop {
@@ -188,13 +211,17 @@ fn deserialize<T: DeserializeOwned>(mut table: Spanned<DeTable<'_>>) -> Result<T
             Ok(_) => return Err(found),
             Err(error) => error,
         };
-        let (message, unknown) = plain(error.message());
+        let (mut message, unknown) = plain(error.message());
         let whole = table.span();
         let span = error.span().unwrap_or(whole.clone());
-        let removed = unknown.and_then(|key| take_out(table.get_mut(), &whole, &key, span.clone()));
+        let mut mended = unknown.and_then(|key| take_out(table.get_mut(), &whole, &key, span.clone()));
+        if let Some((key, at)) = wrong_type::replace::<T>(&mut table, &error) {
+            message = format!("{key}: {message}");
+            mended = Some(at);
+        }
         let span = value_in(&table, &span, error.message()).unwrap_or(span);
-        let go_on = removed.is_some() && found.len() + 1 < FAULT_LIMIT;
-        found.push((removed.unwrap_or(span).start, message));
+        let go_on = mended.is_some() && found.len() + 1 < FAULT_LIMIT;
+        found.push((mended.unwrap_or(span).start, message));
         if !go_on {
             return Err(found);
         }
@@ -254,9 +281,11 @@ fn take_out_of_value(
     let of_value = value.span();
     match value.get_mut() {
         DeValue::Table(table) => take_out(table, &of_value, key, span.clone()),
-        DeValue::Array(items) => items
-            .iter_mut()
-            .find_map(|item| take_out_of_value(item, key, span)),
+        // Of several tables that a tag tells apart, the reader names them all.
+        DeValue::Array(items) => items.iter_mut().find_map(|item| {
+            let of_item = item.span();
+            take_out_of_value(item, key, if of_value == *span { &of_item } else { span })
+        }),
         _ => None,
     }
 }
@@ -276,7 +305,20 @@ pub(super) fn plain(message: &str) -> (String, Option<String>) {
                 None,
             );
         }
-        _ if message.starts_with("invalid type") => return (in_plain_types(message), None),
+        _ if message.starts_with("duplicate field") && quoted.len() == 1 => {
+            return (format!("duplicate key `{}`", quoted[0]), None);
+        }
+        _ if message == "key must be a string" => {
+            let ours = "expected a key in double quotes; JSON has neither comments nor other quotes";
+            return (ours.to_owned(), None);
+        }
+        _ if message.starts_with("EOF while parsing") => {
+            return (message.replace("EOF while parsing", "the file ends within"), None);
+        }
+        _ if message == "trailing characters" => {
+            return ("more follows after the end of the document".to_owned(), None);
+        }
+        _ if message.starts_with("invalid ") => return (in_plain_types(message), None),
         _ => return (message.to_owned(), None),
     };
     let [word, known @ ..] = &quoted[..] else {
@@ -349,9 +391,31 @@ mod tests {
     }
 
     #[test]
+    fn every_unknown_key_of_json_is_told() {
+        let text = "{\"schema_version\": 1, \"colour\": [1, {\"a\": 2}],\n \"repair\": [{\"kind\": \"ring\", \"size\": 3}],\n \"repiar\": []}";
+        let told = told::<Plan>(text);
+        // Where a tag tells tables apart, the reader loses track: what comes after stays untold.
+        assert_eq!(
+            told,
+            [
+                "f:1:30: unknown key `colour`; there are schema_version, name, repair",
+                "f:2:40: unknown key `size`; did you mean `size_mm`?",
+            ]
+        );
+        let told = self::told::<Plan>("{\"nmae\": 1,\n \"repiar\": [],\"schema_version\": 1}");
+        assert_eq!(
+            told,
+            [
+                "f:1:7: unknown key `nmae`; did you mean `name`?",
+                "f:2:9: unknown key `repiar`; did you mean `repair`?"
+            ]
+        );
+    }
+
+    #[test]
     fn syntax_and_type_faults_have_line_and_column() {
         for (text, start) in [
-            ("schema_version = 1\nname = 5\n", "f:2:8: invalid type"),
+            ("schema_version = 1\nname = 5\n", "f:2:8: name: invalid type"),
             (
                 "schema_version = 1\nname = \"a\"\nname = \"b\"",
                 "f:3:1: duplicate key",

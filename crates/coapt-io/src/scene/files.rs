@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
+use coapt::model::size::refusal;
 use coapt::scene::{Fault, Severity, Space};
 
 use super::nearest::nearest;
@@ -14,6 +15,8 @@ pub(super) struct Files {
     folder: PathBuf,
     /// The frame of files that do not say theirs.
     space: Space,
+    /// Files of more triangles are not read to their end.
+    pub(super) face_limit: u32,
     meshes: BTreeMap<PathBuf, Option<PolyData>>,
     unmarked: Vec<String>,
     marked_ras: Vec<String>,
@@ -25,10 +28,11 @@ pub(super) struct Files {
 
 impl Files {
     /// No file read yet.
-    pub(super) fn new(folder: &Path, space: Space) -> Self {
+    pub(super) fn new(folder: &Path, space: Space, face_limit: u32) -> Self {
         Self {
             folder: folder.to_owned(),
             space,
+            face_limit,
             meshes: BTreeMap::new(),
             unmarked: Vec::new(),
             marked_ras: Vec::new(),
@@ -51,13 +55,18 @@ impl Files {
         all.into_iter().any(|fault| fault.severity == Severity::Error)
     }
 
-    /// A mesh in LPS. The same file is read once, however many leaflets are in it.
-    pub(super) fn mesh(&mut self, place: &str, file: &str) -> Option<PolyData> {
+    /// A mesh in LPS, of so many triangles at most. The same file is read once, however many leaflets are in it.
+    pub(super) fn mesh(&mut self, place: &str, file: &str, face_limit: Option<u32>) -> Option<PolyData> {
         let path = self.path(place, file)?;
         if let Some(known) = self.meshes.get(&path) {
             return known.clone();
         }
+        let announced = mesh::announced_triangles(&path);
+        self.within(place, file, announced, face_limit)?;
         let read = self.keep(mesh::read_mesh(&path));
+        if let Some(mesh) = &read {
+            self.within(place, file, Some(mesh.triangles.len() as u64), face_limit)?;
+        }
         let read = read.map(|mut mesh| {
             if self.must_turn(file, mesh.space) {
                 turn_mesh(&mut mesh);
@@ -66,6 +75,21 @@ impl Files {
         });
         self.meshes.insert(path, read.clone());
         read
+    }
+
+    /// Nothing, and a fault, where a file has more triangles than it may.
+    fn within(&mut self, place: &str, file: &str, faces: Option<u64>, face_limit: Option<u32>) -> Option<()> {
+        let (Some(faces), Some(limit)) = (faces, face_limit) else {
+            return Some(());
+        };
+        if faces > u64::from(limit) {
+            self.error(
+                place,
+                format!("is `{file}` of {}", refusal(faces as usize, limit)),
+            );
+            return None;
+        }
+        Some(())
     }
 
     /// A curve in LPS.
@@ -150,8 +174,38 @@ impl Files {
             self.error(place, format!("is `{file}`, which does not exist{advice}"));
             return None;
         }
+        if leads_out(&path, &self.folder) {
+            self.error(
+                place,
+                format!("is `{file}`, a link that leads out of the scene's folder; put the file into it"),
+            );
+            return None;
+        }
         Some(path)
     }
+}
+
+/// Whether links on the way to a file lead out of the folder. Of what cannot be followed the reader tells why.
+fn leads_out(path: &Path, folder: &Path) -> bool {
+    match (path.canonicalize(), folder.canonicalize()) {
+        (Ok(path), Ok(folder)) => !path.starts_with(folder),
+        _ => false,
+    }
+}
+
+/// Names that Windows takes for devices, with any ending: to read one may wait for ever.
+fn is_device(name: &str) -> bool {
+    let stem = name
+        .split('.')
+        .next()
+        .unwrap_or_default()
+        .trim_end()
+        .to_ascii_uppercase();
+    let numbered = |kind: &str| {
+        let number = stem.strip_prefix(kind).unwrap_or_default();
+        number.len() == 1 && number.as_bytes()[0].is_ascii_digit()
+    };
+    ["CON", "PRN", "AUX", "NUL"].contains(&stem.as_str()) || numbered("COM") || numbered("LPT")
 }
 
 /// Only names below the scene's folder: a scene from elsewhere must not reach other files.
@@ -177,13 +231,23 @@ fn check_name(file: &str) -> Result<(), &'static str> {
             return Err("which leads out of the scene's folder; put the file into it");
         }
     }
+    if file.split(['/', '\\']).any(is_device) {
+        return Err("the name of a device on Windows; rename the file");
+    }
+    if file.contains('\0') {
+        return Err("which has a zero byte in it; expected the name of a file");
+    }
     Ok(())
 }
 
-/// A file in the same folder whose name is nearly the same.
+/// A file in the same folder whose name is nearly the same; where the folder is missing, one like it.
 fn similar(path: &Path) -> Option<String> {
+    let folder = path.parent()?;
+    if !folder.exists() {
+        return similar(folder);
+    }
     let wanted = path.file_name()?.to_str()?;
-    let entries = std::fs::read_dir(path.parent()?).ok()?;
+    let entries = std::fs::read_dir(folder).ok()?;
     let mut names: Vec<String> = entries
         .take(10_000)
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
@@ -216,7 +280,15 @@ mod tests {
 
     #[test]
     fn only_files_below_the_folder_may_be_named() {
-        for good in ["a.vtp", "meshes/a.vtp", "meshes/../a.vtp", "./a b.vtp", "..a.vtp"] {
+        for good in [
+            "a.vtp",
+            "meshes/a.vtp",
+            "meshes/../a.vtp",
+            "./a b.vtp",
+            "..a.vtp",
+            "null.vtp",
+            "com.vtp",
+        ] {
             assert_eq!(check_name(good), Ok(()), "{good}");
         }
         for (bad, reason) in [
@@ -227,6 +299,9 @@ mod tests {
             ("https://a.b/c.vtp", "network"),
             ("../a.vtp", "out of the scene's folder"),
             ("a/../../b.vtp", "out of the scene's folder"),
+            ("NUL", "device"),
+            ("meshes/com1.vtp", "device"),
+            ("a\0.vtp", "zero byte"),
         ] {
             assert!(check_name(bad).unwrap_err().contains(reason), "{bad}");
         }

@@ -28,10 +28,12 @@ pub(super) fn fill_leaflet(number: usize, leaflet: &mut Leaflet, annulus: &Annul
     if leaflet.mesh.is_some() {
         return files.error(&key, "is given beside `mesh`; expected one of the two");
     }
-    let Some(data) = files.mesh(&key, &file) else {
+    let is_whole = leaflet.region.is_none();
+    // A part of a large file may well be small.
+    let face_limit = is_whole.then_some(files.face_limit);
+    let Some(data) = files.mesh(&key, &file, face_limit) else {
         return;
     };
-    let is_whole = leaflet.region.is_none();
     let faces = match leaflet.region.take() {
         None => data.triangles.clone(),
         Some(region) => match of_region(&data, region) {
@@ -165,7 +167,7 @@ pub(super) fn fill_chords(number: usize, group: &mut ChordGroup, files: &mut Fil
     if group.mesh.is_some() {
         return files.error(&key, "is given beside `mesh`; expected one of the two");
     }
-    let Some(data) = files.mesh(&key, &file) else {
+    let Some(data) = files.mesh(&key, &file, None) else {
         return;
     };
     if data.lines.is_empty() {

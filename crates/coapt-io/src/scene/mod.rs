@@ -10,9 +10,11 @@ mod document;
 mod files;
 mod frame;
 mod geometry;
+mod json_text;
 mod locate;
 mod nearest;
 mod write;
+mod wrong_type;
 
 use std::path::Path;
 
@@ -21,7 +23,7 @@ use coapt::scene::{Fault, Plan, Repair, Scene, Severity, Space};
 pub use document::read_text;
 pub use locate::{locate, located, sentence};
 pub use nearest::nearest;
-pub use write::write_scene;
+pub use write::{stage_scene, write_scene};
 
 use files::Files;
 
@@ -39,9 +41,23 @@ pub fn read_scene(path: &Path) -> Result<(Scene, Vec<Fault>), Vec<Fault>> {
 /// # Errors
 /// As [`read_scene`].
 pub fn scene_from_text(path: &Path, text: &str) -> Result<(Scene, Vec<Fault>), Vec<Fault>> {
+    scene_within(path, text, None)
+}
+
+/// The same with another limit of triangles than the scene's own, [`Settings::face_limit`](coapt::scene::Settings): files that
+/// hold more are not read any further than that is known.
+///
+/// # Errors
+/// As [`read_scene`].
+pub fn scene_within(
+    path: &Path,
+    text: &str,
+    face_limit: Option<u32>,
+) -> Result<(Scene, Vec<Fault>), Vec<Fault>> {
     let name = path.display().to_string();
     let mut scene: Scene = document::parse(&name, text)?;
-    let mut files = Files::new(folder_of(path), scene.space);
+    scene.settings.face_limit = face_limit.unwrap_or(scene.settings.face_limit);
+    let mut files = Files::new(folder_of(path), scene.space, scene.settings.face_limit);
     if scene.space == Space::RAS {
         frame::turn_scene(&mut scene);
     }
@@ -66,7 +82,7 @@ pub fn read_plan(path: &Path) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
 pub fn plan_from_text(path: &Path, text: &str) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
     let name = path.display().to_string();
     let mut plan: Plan = document::parse(&name, text)?;
-    let mut files = Files::new(folder_of(path), Space::LPS);
+    let mut files = Files::new(folder_of(path), Space::LPS, u32::MAX);
     for (number, repair) in plan.repair.iter_mut().enumerate() {
         let Repair::Ring(ring) = repair;
         let key = format!("repair[{number}].curve_file");
@@ -158,34 +174,41 @@ fn fill_curve(scene: &mut Scene, files: &mut Files) {
     scene.annulus.curve_mm = Some(curve.points_mm);
 }
 
-/// Errors, and warnings, that are told of a scene; more are counted only.
+/// Errors, and warnings, that are told of a scene; more are counted only, unless it is one that a line could tell as well.
 const FAULT_LIMIT: usize = 20;
 
 /// The value with its warnings, or all faults, those of the scene with their lines.
 fn finish<T>(value: T, name: &str, text: &str, files: Files) -> Result<(T, Vec<Fault>), Vec<Fault>> {
     let any_error = files.any_error();
     let in_files = files.in_files.into_iter().map(|fault| (fault, false));
-    let in_scene = files.in_scene.into_iter().map(|fault| (fault, true));
-    let (mut faults, mut errors, mut warnings) = (Vec::new(), 0, 0);
-    for (fault, has_key) in in_files.chain(in_scene) {
-        let count = match fault.severity {
-            Severity::Error => &mut errors,
-            Severity::Warning => &mut warnings,
+    let all: Vec<(Fault, bool)> = in_files
+        .chain(files.in_scene.into_iter().map(|fault| (fault, true)))
+        .collect();
+    let mut faults = Vec::new();
+    for (severity, more) in [
+        (Severity::Error, Fault::error as fn(String, String) -> Fault),
+        (Severity::Warning, Fault::warning),
+    ] {
+        let of_kind: Vec<&(Fault, bool)> = all
+            .iter()
+            .filter(|(fault, _)| fault.severity == severity)
+            .collect();
+        let told = if of_kind.len() > FAULT_LIMIT + 1 {
+            FAULT_LIMIT
+        } else {
+            of_kind.len()
         };
-        *count += 1;
         // To find the line of a key is to read the text once more.
-        match (*count <= FAULT_LIMIT, has_key) {
-            (true, true) => faults.push(located(name, text, &fault)),
-            (true, false) => faults.push(fault),
-            (false, _) => {}
+        faults.extend(of_kind[..told].iter().map(|(fault, has_key)| match has_key {
+            true => located(name, text, fault),
+            false => fault.clone(),
+        }));
+        if told < of_kind.len() {
+            faults.push(more(
+                name.to_owned(),
+                format!("and {} more like these", of_kind.len() - told),
+            ));
         }
-    }
-    let more = |count: usize| format!("and {} more like these", count - FAULT_LIMIT);
-    if errors > FAULT_LIMIT {
-        faults.push(Fault::error(name, more(errors)));
-    }
-    if warnings > FAULT_LIMIT {
-        faults.push(Fault::warning(name, more(warnings)));
     }
     if any_error {
         Err(faults)

@@ -7,8 +7,8 @@ use coapt::scene::{Fault, LineMesh, Scene, Space, SurfaceMesh};
 
 use super::frame::turn_scene;
 use super::geometry::{AREA_ARRAY, REST_LENGTH_ARRAY};
-use crate::atomic::{file_fault, write_files};
-use crate::mesh::{Array, PolyData, write_vtp};
+use crate::atomic::{Batch, file_fault, make_folder};
+use crate::mesh::{Array, PolyData, stage_vtp};
 
 /// Point array that is 1 on the annulus.
 const MARKER_ARRAY: &str = "annulus";
@@ -22,7 +22,17 @@ const DISPLACEMENT_ARRAY: &str = "annulus_displacement_mm";
 /// A mesh that no file can hold (a coordinate that is not finite, a point that does not exist), or what the file
 /// system says.
 pub fn write_scene(folder: &Path, scene: &Scene) -> Result<(), Fault> {
-    write_files(folder, &[])?;
+    let mut batch = Batch::default();
+    stage_scene(&mut batch, folder, scene)?;
+    batch.finish()
+}
+
+/// The same as part of a batch.
+///
+/// # Errors
+/// As [`write_scene`].
+pub fn stage_scene(batch: &mut Batch, folder: &Path, scene: &Scene) -> Result<(), Fault> {
+    make_folder(folder)?;
     let mut scene = scene.clone();
     if scene.space == Space::RAS {
         turn_scene(&mut scene);
@@ -31,7 +41,7 @@ pub fn write_scene(folder: &Path, scene: &Scene) -> Result<(), Fault> {
     for leaflet in &mut scene.leaflets {
         let Some(mesh) = leaflet.mesh.take() else { continue };
         let file = file_name("leaflet", &leaflet.name, &mut taken);
-        write_vtp(&folder.join(&file), &leaflet_data(&mesh))?;
+        stage_vtp(batch, &folder.join(&file), &leaflet_data(&mesh))?;
         if mesh.annulus_points.is_some() {
             scene.annulus.marker_array = Some(MARKER_ARRAY.into());
         }
@@ -43,11 +53,12 @@ pub fn write_scene(folder: &Path, scene: &Scene) -> Result<(), Fault> {
     for group in &mut scene.chordae {
         let Some(mesh) = group.mesh.take() else { continue };
         let file = file_name("chords", &group.name, &mut taken);
-        write_vtp(&folder.join(&file), &chord_data(&mesh))?;
+        stage_vtp(batch, &folder.join(&file), &chord_data(&mesh))?;
         group.mesh_file = Some(file);
     }
-    let text = toml::to_string(&scene).map_err(|error| file_fault(&folder.join("scene.toml"), &error))?;
-    write_files(folder, &[("scene.toml", text)])
+    let path = folder.join("scene.toml");
+    let text = toml::to_string(&scene).map_err(|error| file_fault(&path, &error))?;
+    batch.write(&path, text.as_bytes())
 }
 
 /// A name for a file that no other part has; letters that some file system minds become underscores. `taken` holds the

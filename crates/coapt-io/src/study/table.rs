@@ -45,6 +45,7 @@ pub(super) fn status_name(status: Status) -> &'static str {
         Status::IterationLimit => "iteration-limit",
         Status::Stalled => "stalled",
         Status::TangledStart => "tangled-start",
+        Status::Interrupted => "interrupted",
     }
 }
 

@@ -43,30 +43,40 @@ pub fn crossings(surface: &Surface, positions_mm: &[Vec3]) -> Vec<Crossing> {
 }
 
 /// Whether a segment meets a triangle, decided by the exact signs of tetrahedron volumes.
+///
+/// A segment in the triangle's plane does not, and so neither does any with a triangle without area: if faces cross there,
+/// their other edges tell.
 fn edge_meets_face(edge: [u32; 2], face: [u32; 3], positions_mm: &[Vec3]) -> bool {
-    let at = |vertex: u32| {
-        let point = positions_mm[vertex as usize];
-        Coord3D {
-            x: point.x,
-            y: point.y,
-            z: point.z,
-        }
-    };
-    let [p, q] = edge.map(at);
-    let [a, b, c] = face.map(at);
-    // What is not a number is nowhere; the exact signs would take forever to find that out.
-    if [p, q, a, b, c]
-        .iter()
-        .any(|point| !(point.x + point.y + point.z).is_finite())
-    {
+    let corners = [edge[0], edge[1], face[0], face[1], face[2]].map(|vertex| positions_mm[vertex as usize]);
+    let Some([p, q, a, b, c]) = at_sizes_of_which_volumes_are_numbers(corners) else {
         return false;
-    }
+    };
     let (above, below) = (orient3d(a, b, c, p), orient3d(a, b, c, q));
     let one_side = (above > 0.0 && below > 0.0) || (above < 0.0 && below < 0.0);
     if one_side || (above == 0.0 && below == 0.0) {
-        // An edge in the face's plane: if the faces cross, their other edges tell.
         return false;
     }
     let turns = [orient3d(p, q, a, b), orient3d(p, q, b, c), orient3d(p, q, c, a)];
     turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0)
+}
+
+/// Binary exponent of the largest coordinate at which volumes are worked out: its cube is a number with some room above, and
+/// of products that are smaller by 2⁻⁶⁰⁰ of their coordinates each no bit is lost below.
+const EXPONENT: f64 = 300.0;
+
+/// The points times a power of two, which rounds nothing and leaves the signs of volumes alone; none if any is not finite:
+/// what is not a number is nowhere, and the exact signs would take forever to find that out.
+fn at_sizes_of_which_volumes_are_numbers(points: [Vec3; 5]) -> Option<[Coord3D<f64>; 5]> {
+    let coordinates = points.iter().flatten();
+    if coordinates.clone().any(|coordinate| !coordinate.is_finite()) {
+        return None;
+    }
+    let size = coordinates.fold(0.0_f64, |size, coordinate| size.max(coordinate.abs()));
+    let power = (EXPONENT - size.log2().floor()).clamp(-1000.0, 1000.0);
+    let scale = 2_f64.powi(power as i32);
+    Some(points.map(|point| Coord3D {
+        x: point.x * scale,
+        y: point.y * scale,
+        z: point.z * scale,
+    }))
 }

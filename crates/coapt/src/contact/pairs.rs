@@ -91,6 +91,8 @@ pub struct Place<'a> {
     pub thickness_mm: f64,
     /// The part of it at which they hardly come nearer [1]; see [`rigid_fraction`].
     pub rigid_fraction: f64,
+    /// The part of the distance at which two parts begin to touch that steps leave between them [1]; 0: hardly anything.
+    pub kept_fraction: f64,
 }
 
 /// The part of the contact thickness d̂ at which leaflets hardly come nearer [1]: 1 − (h/d̂)² for edges of length h.

@@ -14,7 +14,7 @@ pub const GAP_FRACTION: f64 = 0.9;
 
 /// No step uses up more of a gap than leaves this [mm]. Where parts are nearer than some 1e-8 mm rounding moves closest
 /// points by as much as the gap, and what separates them does so no more.
-const LEAST_GAP_MM: f64 = 1e-5;
+pub(super) const LEAST_GAP_MM: f64 = 1e-5;
 
 /// A step that may go this part of its way counts as allowed whole [1]: rounding alone must not shorten steps that have
 /// been shortened before. What it then uses of a gap beyond its share is far less than what is left.
@@ -93,7 +93,8 @@ fn bound_pair(pair: &Pair, place: &Place, step_mm: &[Vec3], allowances: &mut [Al
     let longest_squared = squared[0].max(squared[1]).max(squared[2].max(squared[3]));
     let distance_squared = nearest.separation_mm.norm_squared();
     let distance = distance_squared.sqrt();
-    let gap = (GAP_FRACTION * distance).min(distance - LEAST_GAP_MM).max(0.0);
+    let kept_mm = LEAST_GAP_MM.max(place.kept_fraction * pair.activation_mm);
+    let gap = (GAP_FRACTION * distance).min(distance - kept_mm).max(0.0);
     if 4.0 * longest_squared <= gap * gap {
         return;
     }

@@ -6,7 +6,7 @@ use super::elasticity::{Elasticity, Sheet, elasticity};
 use super::faults::Faults;
 use super::surface::{self, Surface};
 use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
-use super::{annulus_checks, cleaning, facing, mesh_quality, validate};
+use super::{annulus_checks, cleaning, facing, mesh_quality, size, untangle, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
 use crate::mesh::polyline;
@@ -33,6 +33,8 @@ impl Model {
     /// Mesh files must have been read into the scene (`coapt-io` does).
     pub fn build(scene: &Scene) -> Result<Built, Vec<Fault>> {
         let mut faults = Faults::default();
+        size::check(scene, &mut faults);
+        faults.stop()?;
         validate::scene(scene, &mut faults);
         faults.stop()?;
         surface::check_units(scene, &mut faults);
@@ -57,6 +59,18 @@ impl Model {
         check_ties(&surface, &edges, &found, &strung, &mut faults);
         annulus_checks::check_insertions(&surface, &found, &strung.chords.points, &mut faults);
         faults.stop()?;
+        if scene.contact.is_on() {
+            // Chordae are tied to the leaflets by now: they were drawn where these stood.
+            let thickness_mm = scene.contact.thickness_mm;
+            untangle::untangle(
+                &mut surface,
+                &edges,
+                &found.annulus.vertices,
+                thickness_mm,
+                &mut faults,
+            );
+            faults.stop()?;
+        }
         annulus_checks::tell_holes(&surface, &found, &loops, &mut faults);
         let model = assemble(scene, &surface, &edges, &found, &loops, strung, &mut faults);
         faults.stop()?;
@@ -67,28 +81,37 @@ impl Model {
     }
 }
 
-/// Every connected part of the leaflets must hang on the annulus or on a chord.
+/// Fewer chord ends than this let a piece of tissue turn about the line through them.
+const FEWEST_ENDS: usize = 3;
+
+/// Every connected part of the leaflets must hang on the annulus, or on chordae from which it cannot turn away.
 fn check_ties(surface: &Surface, edges: &Edges, found: &Found, strung: &Strung, faults: &mut Faults) {
     let (component, count) = topology::components(surface.faces.len(), edges);
-    let mut held = vec![false; surface.points.len()];
-    let chord_points = strung.chords.points.iter().flatten().map(|(vertex, _)| vertex);
-    for &vertex in found.annulus.vertices.iter().chain(chord_points) {
-        if let Some(slot) = held.get_mut(vertex as usize) {
-            *slot = true;
-        }
-    }
-    let mut tied = vec![false; count];
+    let mut part_of = vec![None; surface.points.len()];
     let mut size = vec![0; count];
     for (face, &part) in component.iter().enumerate() {
         size[part as usize] += 1;
-        tied[part as usize] |= surface.faces[face].iter().any(|&v| held[v as usize]);
+        for &vertex in &surface.faces[face] {
+            part_of[vertex as usize] = Some(part as usize);
+        }
     }
-    for part in (0..count).filter(|&part| !tied[part]) {
+    let part = |vertex: &u32| part_of.get(*vertex as usize).copied().flatten();
+    let mut on_annulus = vec![false; count];
+    let held = found.annulus.vertices.iter().filter_map(part);
+    held.for_each(|part| on_annulus[part] = true);
+    let mut ends = vec![0; count];
+    for point in &strung.chords.points {
+        if let Some(part) = point.iter().find_map(|(vertex, _)| part(vertex)) {
+            ends[part] += 1;
+        }
+    }
+    for part in (0..count).filter(|&part| !on_annulus[part] && ends[part] < FEWEST_ENDS) {
         let first = component.iter().position(|&c| c as usize == part).unwrap_or(0);
-        let message = format!(
-            "a component of {} faces is free to fly away: no annulus and no chord holds it",
-            size[part]
-        );
+        let why = match ends[part] {
+            0 => "no annulus and no chord holds it".to_owned(),
+            ends => format!("no annulus holds it, and {ends} chord ends let it turn"),
+        };
+        let message = format!("a component of {} faces is free to fly away: {why}", size[part]);
         faults.error(surface.face_name(first), message);
     }
 }

@@ -12,7 +12,7 @@ use crate::energy::chord::Chords;
 use crate::scene::{ChordGroup, Scene};
 
 /// Rest lengths outside these multiples of the open end distance are doubted (hard limits of plausible slack and
-/// pre-stretch; our choice).
+/// pre-stretch; our choice). Chordae of an open valve hang slack: in the preset of Barlow up to 2.01 times.
 const DOUBTFUL_SLACK: f64 = 2.5;
 const DOUBTFUL_STRETCH: f64 = 0.5;
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::faults::{Faults, some};
+use super::near_points;
 use super::surface::Surface;
 use crate::Vec3;
 use crate::mesh::topology::{self, Edges};
@@ -152,7 +153,8 @@ pub(crate) fn check_shape(surface: &mut Surface, faults: &mut Faults) -> Edges {
     let pinched = topology::pinched_vertices(&surface.faces, &edges, surface.points.len());
     if let Some(&first) = pinched.first() {
         let message = "the surface hangs together by single points: ".to_string()
-            + &some(pinched.iter().map(|&v| surface.point_name(v)));
+            + &some(pinched.iter().map(|&v| surface.point_name(v)))
+            + &near_points::advice(surface, &edges);
         faults.error(surface.point_name(first), message);
     }
     match topology::orient(&mut surface.faces, &edges) {

@@ -86,7 +86,7 @@ fn chords() -> ChordGroup {
         mesh_file: None,
         mesh: Some(mesh),
         diameter_mm: 1.0,
-        modulus_mpa: 30.0,
+        modulus_mpa: Some(30.0),
         law: None,
         rest_length_scale: 1.0,
         insertion_radius_mm: 0.0,

@@ -7,6 +7,7 @@ mod build;
 mod chord_checks;
 mod chordae;
 mod cleaning;
+mod doubts;
 pub mod elasticity;
 mod facing;
 mod faults;
@@ -17,14 +18,19 @@ mod hinges;
 mod insertion;
 mod membranes;
 pub mod mesh_quality;
+mod near_points;
+pub mod size;
 mod springs;
 mod strands;
 mod surface;
+mod untangle;
 mod validate;
 mod validate_numbers;
 mod validate_tissue;
 
 pub use build::Built;
+pub use doubts::doubts;
+pub(crate) use validate_tissue::tissue_faults;
 
 use crate::Vec3;
 use crate::energy::{

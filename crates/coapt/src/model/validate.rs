@@ -2,11 +2,8 @@
 
 use super::faults::Faults;
 use super::validate_numbers::{lines, not_negative, points, positive, same_count, surface};
-use super::validate_tissue;
+use super::{doubts, validate_tissue};
 use crate::scene::{Annulus, ChordGroup, Leaflet, PapillaryMuscle, SCHEMA_VERSION, Scene};
-
-/// Pressures above this are taken but doubted [mmHg]: no human ventricle has been measured there.
-const DOUBTFUL_PRESSURE_MMHG: f64 = 400.0;
 
 pub(crate) fn scene(scene: &Scene, faults: &mut Faults) {
     if scene.schema_version != SCHEMA_VERSION {
@@ -32,6 +29,7 @@ pub(crate) fn scene(scene: &Scene, faults: &mut Faults) {
     pressure(scene, faults);
     settings(scene, faults);
     landmarks(scene, faults);
+    doubts::tell(scene, faults);
 }
 
 fn leaflet(leaflet: &Leaflet, place: &str, faults: &mut Faults) {
@@ -103,7 +101,13 @@ fn papillary(muscle: &PapillaryMuscle, place: &str, faults: &mut Faults) {
 
 fn chord_group(group: &ChordGroup, place: &str, faults: &mut Faults) {
     positive(group.diameter_mm, &format!("{place}.diameter_mm"), "mm", faults);
-    positive(group.modulus_mpa, &format!("{place}.modulus_mpa"), "MPa", faults);
+    if let Some(modulus_mpa) = group.modulus_mpa {
+        let place = format!("{place}.modulus_mpa");
+        positive(modulus_mpa, &place, "MPa", faults);
+        if group.law.is_some() {
+            faults.error(place, "is given beside `law`; expected one of the two");
+        }
+    }
     if let Some(law) = &group.law {
         validate_tissue::chord_law(law, &format!("{place}.law"), faults);
     }
@@ -143,18 +147,6 @@ fn pressure(scene: &Scene, faults: &mut Faults) {
         }
     };
     not_negative(pressure, place, unit, faults);
-    let mmhg = scene.load.pressure_mpa().unwrap_or(0.0) / crate::scene::MMHG_MPA;
-    if mmhg > DOUBTFUL_PRESSURE_MMHG {
-        let converted = if unit == "mmHg" {
-            String::new()
-        } else {
-            format!(" = {mmhg:.0} mmHg")
-        };
-        let message = format!(
-            "is {pressure} {unit}{converted}, expected below {DOUBTFUL_PRESSURE_MMHG} mmHg; check the unit"
-        );
-        faults.warning(place, message);
-    }
 }
 
 fn settings(scene: &Scene, faults: &mut Faults) {
@@ -204,16 +196,16 @@ fn landmarks(scene: &Scene, faults: &mut Faults) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixtures::{built, faults, lines, mesh, skirt, told};
+    use super::super::fixtures::{faults, lines, mesh, skirt, told};
     use super::*;
-    use crate::scene::Tissue;
+    use crate::scene::{ChordLaw, Tissue};
 
     /// A change to a good scene, where it must be told, and in which words.
     type Wrong = (fn(&mut Scene), &'static str, &'static str);
 
     #[test]
     fn every_wrong_number_is_told_with_place_and_value() {
-        let wrongs: [Wrong; 22] = [
+        let wrongs: [Wrong; 23] = [
             (|s| s.schema_version = 2, "schema_version", "2 is unknown"),
             (|s| s.leaflets.clear(), "leaflets", "none"),
             (
@@ -266,9 +258,14 @@ mod tests {
                 "2 entries",
             ),
             (
-                |s| s.chordae[0].modulus_mpa = 0.0,
+                |s| s.chordae[0].modulus_mpa = Some(0.0),
                 "chordae[0].modulus_mpa",
                 "is 0 MPa",
+            ),
+            (
+                |s| s.chordae[0].law = Some(ChordLaw::Linear { modulus_mpa: 20.0 }),
+                "chordae[0].modulus_mpa",
+                "beside `law`",
             ),
             (
                 |s| lines(s).segments[2] = [0, 99],
@@ -326,15 +323,5 @@ mod tests {
         let found = faults(&scene);
         assert_eq!(found.len(), super::super::faults::LIMIT + 1);
         assert!(told(&found, "scene", "and 6 more"));
-    }
-
-    #[test]
-    fn a_very_high_pressure_is_taken_and_doubted() {
-        let mut scene = skirt();
-        scene.load = Load {
-            pressure_mmhg: None,
-            pressure_kpa: Some(120.0),
-        };
-        assert!(told(&built(&scene).warnings, "load.pressure_kpa", "900 mmHg"));
     }
 }

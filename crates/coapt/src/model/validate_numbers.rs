@@ -1,10 +1,7 @@
 //! Numbers and arrays of them: finite, in range, of the right count.
 
 use super::faults::Faults;
-use crate::scene::{LineMesh, SurfaceMesh};
-
-/// Coordinates and other numbers beyond this are no anatomy in any unit; the bound keeps arithmetic finite.
-const LARGEST: f64 = 1e7;
+use crate::scene::{LARGEST, LineMesh, SurfaceMesh};
 
 /// What is nearer to nothing is nothing.
 const LEAST: f64 = 1e-9;

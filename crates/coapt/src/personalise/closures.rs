@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::misfit::{Misfit, misfit};
-use super::{Target, Trial, Tried};
+use super::{Target, Trial, Tried, Watch};
 use crate::model::Model;
-use crate::relax::{Equilibrium, Status, relax};
+use crate::relax::{Equilibrium, Status, relax_watched};
 use crate::state::State;
 
 /// A closure that converged.
@@ -23,6 +23,9 @@ pub(super) struct Closed {
 pub(super) struct Closures<'a> {
     pub(super) model: &'a Model,
     target: &'a Target,
+    watch: Watch<'a>,
+    /// The watcher has said stop: no closure is made any more.
+    pub(super) interrupted: bool,
     /// Those that converged.
     pub(super) converged: Vec<Closed>,
     /// All of them.
@@ -30,22 +33,27 @@ pub(super) struct Closures<'a> {
 }
 
 impl<'a> Closures<'a> {
-    pub(super) fn new(model: &'a Model, target: &'a Target) -> Self {
+    pub(super) fn new(model: &'a Model, target: &'a Target, watch: Watch<'a>) -> Self {
         Self {
             model,
             target,
+            watch,
+            interrupted: false,
             converged: Vec::new(),
             history: Vec::new(),
         }
     }
 
     /// Closes the valve with each of these factors, side by side, from its open state or from a closed one; nothing where it
-    /// did not converge.
+    /// did not converge, and everywhere after an interruption.
     pub(super) fn close_all(&mut self, scales: Vec<Vec<f64>>, from: Option<&State>) -> Vec<Option<Closed>> {
+        if self.interrupted {
+            return vec![None; scales.len()];
+        }
         let open = State::open(self.model);
         let start = from.unwrap_or(&open);
         let close = |scale: Vec<f64>| {
-            let equilibrium = relax(&scaled(self.model, &scale), start);
+            let equilibrium = relax_watched(&scaled(self.model, &scale), start, self.watch);
             let misfit = misfit(
                 self.model,
                 &equilibrium.state.positions_mm,
@@ -66,6 +74,7 @@ impl<'a> Closures<'a> {
 
     fn note(&mut self, closed: Closed, warm: bool) -> Option<Closed> {
         let converged = closed.equilibrium.status == Status::Converged;
+        self.interrupted |= closed.equilibrium.status == Status::Interrupted;
         self.history.push(Trial {
             scale: closed.scale.clone(),
             warm,

@@ -3,7 +3,7 @@
 use super::closures::{Closed, Closures};
 use super::parameters::Parameters;
 use super::regression::{Regression, regress};
-use super::{ChordFit, FitSettings, FitStatus, GroupScale, Target};
+use super::{ChordFit, FitSettings, FitStatus, GroupScale, Target, Watch};
 use crate::model::Model;
 
 /// Distance between the factors of the scan [1]: half the reach over which distances of all presets are linear in the factor
@@ -34,11 +34,12 @@ const WIDEST_IDENTIFIED: f64 = 0.1;
 const AT_BOUND: f64 = 1e-3;
 
 /// Fits a valve that has chordae to a target that has points.
-pub(super) fn fit(model: &Model, target: &Target, settings: &FitSettings) -> ChordFit {
-    let mut closures = Closures::new(model, target);
+pub(super) fn fit(model: &Model, target: &Target, settings: &FitSettings, watch: Watch) -> ChordFit {
+    let mut closures = Closures::new(model, target, watch);
     let (untuned, best) = scan(&mut closures, settings);
     let found = best.and_then(|best| refine(&mut closures, best, settings));
     let (status, groups, tuned) = match found {
+        _ if closures.interrupted => (FitStatus::Interrupted, unfitted(model, settings), None),
         Some((status, groups, closed)) => (status, groups, Some(closures.tried(&closed))),
         None => (FitStatus::NotConverged, unfitted(model, settings), None),
     };

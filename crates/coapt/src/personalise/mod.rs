@@ -31,11 +31,13 @@ mod misfit;
 mod parameters;
 mod regression;
 
+use std::ops::ControlFlow;
+
 use serde::Serialize;
 
 use crate::Vec3;
 use crate::model::Model;
-use crate::relax::Equilibrium;
+use crate::relax::{Equilibrium, Moment};
 use crate::repair::{self, Repaired};
 use crate::scene::{Attachment, Fault, Repair, Ring};
 
@@ -103,6 +105,8 @@ pub enum FitStatus {
     IterationLimit,
     /// Closures that the fit would have to stand on did not converge: there is no result.
     NotConverged,
+    /// The watcher said stop: there is no result.
+    Interrupted,
 }
 
 /// The factor of one chord group.
@@ -157,6 +161,9 @@ pub struct Trial {
 /// Fewest points that a fit is made to: below that, scatter decides (our choice).
 pub const FEWEST_POINTS: usize = 20;
 
+/// Looks on at closures that run side by side; as in [`crate::relax::relax_watched`].
+pub type Watch<'a> = &'a (dyn Fn(&Moment) -> ControlFlow<()> + Sync);
+
 /// Fits the rest lengths of the chordae so that the valve closes to the target.
 ///
 /// # Errors
@@ -166,11 +173,25 @@ pub fn fit_chord_lengths(
     target: &Target,
     settings: &FitSettings,
 ) -> Result<ChordFit, Vec<Fault>> {
+    fit_chord_lengths_watched(model, target, settings, &|_| ControlFlow::Continue(()))
+}
+
+/// The same with somebody looking on, who is shown the iterations of all closures and stops the fit by answering `Break`; to
+/// the others that run beside, too. Then there is no result but [`FitStatus::Interrupted`] and the history.
+///
+/// # Errors
+/// As [`fit_chord_lengths`].
+pub fn fit_chord_lengths_watched(
+    model: &Model,
+    target: &Target,
+    settings: &FitSettings,
+    watch: Watch,
+) -> Result<ChordFit, Vec<Fault>> {
     let faults = faults(model, target, settings);
     if !faults.is_empty() {
         return Err(faults);
     }
-    Ok(fit::fit(model, target, settings))
+    Ok(fit::fit(model, target, settings, watch))
 }
 
 /// Nothing farther from the closed annulus than this belongs to the valve [mm]; more likely it is in other units or another

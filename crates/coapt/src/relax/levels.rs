@@ -4,9 +4,10 @@
 //! same fifteen to thirty iterations at 650 faces and at 10,000. The way that the fine vertices took does not matter, as
 //! long as nothing crosses where they begin; where something would, they walk there from the open valve, bounded by contact.
 
+use super::Status;
 use super::newton::Newton;
 use super::soft_chordae::{SOFT_MM, softened};
-use super::{Iteration, Status};
+use super::watch::Log;
 use crate::Vec3;
 use crate::coarsen::coarsen;
 use crate::contact::crossing::crossings;
@@ -26,16 +27,16 @@ const COARSE_STEP: f64 = 2.0;
 /// A coarse valve that takes longer is of no help.
 const COARSE_ITERATION_LIMIT: u32 = 300;
 
-/// Where to begin: the closed shape of a coarser model, carried over; nothing where there is no such model or it did not
-/// close.
-pub(super) fn begin(newton: &mut Newton, history: &mut Vec<Iteration>) -> Option<Vec<Vec3>> {
+/// Where to begin: the closed shape of a coarser model, carried over; nothing where there is no such model, where it did not
+/// close or was interrupted.
+pub(super) fn begin(newton: &mut Newton, log: &mut Log) -> Option<Vec<Vec3>> {
     let mut tangled = None;
     for ratio in VERTEX_RATIOS {
         let vertex_target = (newton.model.leaflet_vertex_count as f64 / ratio) as usize;
         if vertex_target < LEAST_VERTICES {
             continue;
         }
-        let Some(shape) = carried_over(newton.model, vertex_target, history) else {
+        let Some(shape) = carried_over(newton.model, vertex_target, log) else {
             break;
         };
         if crossings(&newton.surface, &shape).is_empty() {
@@ -43,12 +44,15 @@ pub(super) fn begin(newton: &mut Newton, history: &mut Vec<Iteration>) -> Option
         }
         tangled.get_or_insert(shape);
     }
+    if log.interrupted {
+        return None;
+    }
     let mut positions = newton.model.rest_mm.clone();
     newton.walk(&mut positions, &tangled?);
     Some(positions)
 }
 
-fn carried_over(model: &Model, vertex_target: usize, history: &mut Vec<Iteration>) -> Option<Vec<Vec3>> {
+fn carried_over(model: &Model, vertex_target: usize, log: &mut Log) -> Option<Vec<Vec3>> {
     let mut coarse = coarsen(model, vertex_target)?;
     let settings = &mut coarse.model.settings;
     settings.residual_tolerance = settings.residual_tolerance.max(COARSE_TOLERANCE);
@@ -60,9 +64,12 @@ fn carried_over(model: &Model, vertex_target: usize, history: &mut Vec<Iteration
     newton.step_limit_mm *= COARSE_STEP;
     // Whether the coarse valve is stable does not matter.
     newton.escape_limit = 0;
-    let begun = begin(&mut newton, history);
+    let begun = begin(&mut newton, log);
+    if log.interrupted {
+        return None;
+    }
     let mut positions = begun.unwrap_or_else(|| coarse.model.rest_mm.clone());
-    if newton.iterate(&mut positions, history) != Status::Converged {
+    if newton.iterate(&mut positions, log) != Status::Converged {
         return None;
     }
     let mut shape = coarse

@@ -9,6 +9,7 @@ use super::elastic::Moved;
 use super::line_search::Acceptance;
 use super::load;
 use super::system::System;
+use super::watch::Log;
 use super::{Iteration, Status};
 use crate::Vec3;
 use crate::contact::gather::{PairList, longest_mm};
@@ -19,9 +20,9 @@ use crate::contact::touch::{Touch, touches_into};
 use crate::energy::Curvature;
 use crate::model::{Model, Prescribed};
 
-/// Longest step of a vertex, as a part of the valve's size [1]. Larger steps overshoot while the soft branch of
+/// Longest step of a vertex, as a part of the valve's radius [1]. Larger steps overshoot while the soft branch of
 /// the springs still rules; smaller ones only cost iterations.
-const STEP_LIMIT: f64 = 0.01;
+const STEP_LIMIT: f64 = 0.026;
 /// Longest step of a vertex in mean edge lengths [1]: fine meshes pay for long steps with long pair lists.
 const STEP_LIMIT_EDGES: f64 = 0.5;
 /// The exact tangent is tried from this residual on: farther out it is indefinite nearly always.
@@ -33,6 +34,12 @@ const CRAWL_LIMIT: u32 = 4;
 /// Or where it goes round: a two-cycle without pressure in the tangent changes the residual by half a per cent to and fro [1];
 /// a rise by more is the way of a valve that is still closing.
 const GOING_ROUND: f64 = 1.02;
+/// Or the least residual of so many steps stays so near that of as many before. A sheet squeezed between four walls went round
+/// in two or three steps with residuals 20 % apart that fell by a part of a thousand in a round. Our choice: several such
+/// rounds; the more, the more steps are lost before the exact tangent is tried. Without pressure alone: valves whose flaps
+/// swing go round on their way, and one more of ten with chordae three times as long, two more of ten Barlow valves without
+/// marginal chordae did not come to rest.
+const ROUND: usize = 12;
 /// Relative residual of a Newton step [1]: Newton squares its error at best, and far away it cannot use more.
 const NEWTON_TOLERANCE: f64 = 1e-2;
 /// Below this residual the damping that the factorisation may need is left out of the step itself; far out it is a brake
@@ -74,9 +81,13 @@ pub(super) struct Newton<'a> {
     pub(super) least_damping: f64,
     /// So often the solver leaves an unstable balance of forces before it reports one.
     pub(super) escape_limit: u32,
+    /// So many iterations are made at most.
+    pub(super) iteration_limit: u32,
     /// Whether the balance that it came to lasts, where it has looked.
     pub(super) stable: Option<bool>,
     crawled: u32,
+    /// Whether, without pressure, the residual comes back to where it was within [`ROUND`] steps.
+    goes_round: bool,
     damping: f64,
     exact_damping: f64,
     /// The first of the dampings tried that made the last exact tangent positive definite.
@@ -98,9 +109,10 @@ impl<'a> Newton<'a> {
         let surface = Surface::new(&model.faces, &model.rest_mm);
         let scale = model.settings.step_scale;
         let step_limit_mm =
-            scale * (STEP_LIMIT * diagonal_mm(&model.rest_mm)).min(STEP_LIMIT_EDGES * surface.mean_edge_mm);
+            scale * (STEP_LIMIT * radius_mm(&model.rest_mm)).min(STEP_LIMIT_EDGES * surface.mean_edge_mm);
+        let reference_force_n = load::reference_force_n(model);
         // At this damping pressure alone moves a vertex by the step limit.
-        let damping = model.pressure_mpa.max(1e-12) / step_limit_mm;
+        let damping = load_mpa(model, &surface, reference_force_n) / step_limit_mm;
         let system = System::new(model, &surface);
         let zeros = vec![Vec3::zeros(); model.rest_mm.len()];
         Self {
@@ -110,12 +122,14 @@ impl<'a> Newton<'a> {
             near: Vec::new(),
             touches: Vec::new(),
             trial_touches: Vec::new(),
-            reference_force_n: load::reference_force_n(model),
+            reference_force_n,
             step_limit_mm,
             least_damping: LEAST_DAMPING * damping,
             escape_limit: ESCAPE_LIMIT,
+            iteration_limit: model.settings.iteration_limit,
             stable: None,
             crawled: 0,
+            goes_round: false,
             damping,
             exact_damping: 1e-3 * damping,
             factor_damping: 0.0,
@@ -131,14 +145,22 @@ impl<'a> Newton<'a> {
         }
     }
 
+    /// Iterates, unless the watcher has said stop before.
+    pub(super) fn iterate_unless_interrupted(&mut self, positions: &mut Vec<Vec3>, log: &mut Log) -> Status {
+        match log.interrupted {
+            true => Status::Interrupted,
+            false => self.iterate(positions, log),
+        }
+    }
+
     /// Iterates until forces balance; `positions` are where it came to.
-    pub(super) fn iterate(&mut self, positions: &mut Vec<Vec3>, history: &mut Vec<Iteration>) -> Status {
+    pub(super) fn iterate(&mut self, positions: &mut Vec<Vec3>, log: &mut Log) -> Status {
         let (mut failures, mut escapes) = (0, 0);
         let (mut least_residual, mut idle) = (f64::INFINITY, 0);
-        let mut last_residual = f64::INFINITY;
+        let mut residuals = Vec::new();
         self.stable = None;
         self.evaluate(positions);
-        for _ in 0..self.model.settings.iteration_limit {
+        for _ in 0..self.iteration_limit {
             let moving = self.boundary_motion(positions);
             let residual = self.residual(&self.gradient);
             if !residual.is_finite() {
@@ -153,9 +175,13 @@ impl<'a> Newton<'a> {
             }
             idle = if residual < least_residual { 0 } else { idle + 1 };
             least_residual = least_residual.min(residual);
-            let crawls = (CRAWLING * last_residual..GOING_ROUND * last_residual).contains(&residual);
-            self.crawled = if crawls { self.crawled + 1 } else { 0 };
-            last_residual = residual;
+            residuals.push(residual);
+            self.crawled = if crawls(&residuals, 1) {
+                self.crawled + 1
+            } else {
+                0
+            };
+            self.goes_round = self.model.pressure_mpa == 0.0 && crawls(&residuals, ROUND);
             let exact = self.newton_step(positions, residual, moving);
             let longest = self.limit_step();
             self.bound_step(positions);
@@ -165,7 +191,10 @@ impl<'a> Newton<'a> {
                 (false, false) => Acceptance::Progress,
             };
             let fraction = self.search(positions, residual, acceptance);
-            self.note(history, residual, longest, fraction, exact);
+            let iteration = self.made(residual, longest, fraction, exact);
+            if log.note(iteration, self.model, positions).is_break() {
+                return Status::Interrupted;
+            }
             self.adapt_damping(exact, fraction);
             failures = if fraction == 0.0 { failures + 1 } else { 0 };
             if failures > STALL_LIMIT {
@@ -175,15 +204,16 @@ impl<'a> Newton<'a> {
         Status::IterationLimit
     }
 
-    fn note(&self, history: &mut Vec<Iteration>, residual: f64, step_mm: f64, fraction: f64, exact: bool) {
-        history.push(Iteration {
+    /// The iteration that was just made.
+    fn made(&self, residual: f64, step_mm: f64, fraction: f64, exact: bool) -> Iteration {
+        Iteration {
             residual,
             step_mm,
             damping: self.system.damping,
             fraction,
             exact,
             faces: self.model.faces.len(),
-        });
+        }
     }
 
     /// Gathers the pairs in reach and computes the force at a place.
@@ -203,7 +233,12 @@ impl<'a> Newton<'a> {
         let squared = free.map(|&vertex| gradient[vertex as usize].norm_squared());
         // What is not a number must not get lost.
         let larger = |one: f64, other: f64| if one > other || one.is_nan() { one } else { other };
-        squared.fold(0.0, larger).sqrt() / self.reference_force_n
+        let largest_n = squared.fold(0.0, larger).sqrt();
+        // No force at all is a balance, even where there is nothing to count it in.
+        if largest_n == 0.0 {
+            return 0.0;
+        }
+        largest_n / self.reference_force_n
     }
 
     /// Bounds the step, vertex by vertex, so that nothing passes through anything; gathers the pairs along it.
@@ -242,7 +277,7 @@ impl<'a> Newton<'a> {
 
     /// Finds the step that the tangent suggests, prescribed vertices included; whether it was the exact tangent.
     fn newton_step(&mut self, positions: &[Vec3], residual: f64, moving: bool) -> bool {
-        if residual < EXACT_BELOW || self.crawled > CRAWL_LIMIT {
+        if residual < EXACT_BELOW || self.crawled > CRAWL_LIMIT || self.goes_round {
             self.assemble(positions, Curvature::Exact, moving);
             if let Some(damping) = self.factorise_exact() {
                 if residual > UNDAMPED_BELOW {
@@ -276,6 +311,8 @@ impl<'a> Newton<'a> {
             }
             damping *= DAMPING_RISE;
         }
+        // The next iteration goes on from here.
+        self.factor_damping = damping;
         None
     }
 
@@ -327,6 +364,29 @@ impl<'a> Newton<'a> {
     }
 }
 
+/// Whether the least residual of the last `count` steps is hardly less or more than that of as many before.
+fn crawls(residuals: &[f64], count: usize) -> bool {
+    let Some(before) = residuals.len().checked_sub(2 * count) else {
+        return false;
+    };
+    let (before, after) = residuals[before..].split_at(count);
+    let [before, after] = [before, after].map(|part| part.iter().copied().fold(f64::INFINITY, f64::min));
+    (CRAWLING * before..GOING_ROUND * before).contains(&after)
+}
+
+/// Pressure or, without any, what residuals are counted in over the mean area around a vertex [MPa]; not zero.
+///
+/// Dampings are parts of it. Far less where there is no pressure, and rounding would look like an unstable balance: chains
+/// that went slack kept links compressed by 1e-12 N.
+fn load_mpa(model: &Model, surface: &Surface, reference_force_n: f64) -> f64 {
+    if model.pressure_mpa > 0.0 {
+        return model.pressure_mpa;
+    }
+    let mean_area_mm2 =
+        surface.vertex_area_mm2.iter().sum::<f64>() / model.leaflet_vertex_count.max(1) as f64;
+    (reference_force_n / mean_area_mm2).max(1e-12)
+}
+
 fn place<'a>(model: &'a Model, surface: &'a Surface, positions: &'a [Vec3]) -> Place<'a> {
     Place {
         surface,
@@ -334,6 +394,7 @@ fn place<'a>(model: &'a Model, surface: &'a Surface, positions: &'a [Vec3]) -> P
         positions_mm: positions,
         thickness_mm: model.contact.thickness_mm,
         rigid_fraction: rigid_fraction(surface, model.contact.thickness_mm),
+        kept_fraction: 0.0,
     }
 }
 
@@ -352,9 +413,9 @@ fn clipped(vector: Vec3, longest: f64) -> Vec3 {
     }
 }
 
-/// About the diagonal of a square around the valve: √2 times how far the farthest vertex lies from the first.
-fn diagonal_mm(positions: &[Vec3]) -> f64 {
-    let first = positions.first().copied().unwrap_or_default();
-    let from_first: Vec<Vec3> = positions.iter().map(|position| position - first).collect();
-    2.0 * longest_mm(&from_first) / 2.0_f64.sqrt()
+/// How far the farthest vertex lies from the middle of all: whichever comes first.
+fn radius_mm(positions: &[Vec3]) -> f64 {
+    let middle = positions.iter().sum::<Vec3>() / positions.len().max(1) as f64;
+    let from_middle: Vec<Vec3> = positions.iter().map(|position| position - middle).collect();
+    longest_mm(&from_middle)
 }

@@ -6,9 +6,9 @@
 //! stiffer than the former closes with softer ones first, on coarse meshes always, on its own in stages, in which taut
 //! chordae stay taut. Without it, residuals at that valve's chordae stay above 1 for 250 iterations.
 
-use super::Iteration;
 use super::load::reference_force_n;
 use super::newton::Newton;
+use super::watch::Log;
 use crate::Vec3;
 use crate::energy::chord_law::response;
 use crate::model::Model;
@@ -23,14 +23,16 @@ const STAGE_TOLERANCE: f64 = 0.3;
 const STAGE_ITERATION_LIMIT: u32 = 60;
 
 /// Goes from soft chordae to nearly those of the model.
-pub(super) fn stiffen(model: &Model, positions: &mut Vec<Vec3>, history: &mut Vec<Iteration>) {
+pub(super) fn stiffen(model: &Model, positions: &mut Vec<Vec3>, log: &mut Log) {
     let mut give_mm = SOFT_MM;
-    while let Some(mut soft) = softened(model, give_mm) {
+    while !log.interrupted
+        && let Some(mut soft) = softened(model, give_mm)
+    {
         soft.settings.residual_tolerance = soft.settings.residual_tolerance.max(STAGE_TOLERANCE);
         soft.settings.iteration_limit = soft.settings.iteration_limit.min(STAGE_ITERATION_LIMIT);
         let mut newton = Newton::new(&soft);
         newton.escape_limit = 0;
-        newton.iterate(positions, history);
+        newton.iterate(positions, log);
         give_mm /= STAGE;
     }
 }

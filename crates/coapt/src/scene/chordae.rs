@@ -20,10 +20,10 @@ pub struct ChordGroup {
     /// Rod diameter [mm] where the mesh gives no areas; 1 mm in paper 003.
     #[serde(default = "default_chord_diameter_mm")]
     pub diameter_mm: f64,
-    /// Young's modulus in tension [MPa], for rods without a `law` of their own.
-    #[serde(default = "default_chord_modulus_mpa")]
-    pub modulus_mpa: f64,
-    /// The stress-strain law; absent: linear with `modulus_mpa`.
+    /// Young's modulus in tension [MPa] of a linear law, instead of `law`; 30 where neither is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modulus_mpa: Option<f64>,
+    /// The stress-strain law, instead of `modulus_mpa`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<ChordLaw>,
     /// Factor on all rest lengths [1]: below 1 shortens, above 1 elongates.
@@ -41,9 +41,7 @@ fn default_chord_diameter_mm() -> f64 {
 
 /// Paper 003 prints none. Kunzelman & Cochran 1990 as quoted in paper 000: marginal 33, basal 21 MPa beyond
 /// the toe; 30 is our choice in that range.
-fn default_chord_modulus_mpa() -> f64 {
-    30.0
-}
+const DEFAULT_CHORD_MODULUS_MPA: f64 = 30.0;
 
 fn default_rest_length_scale() -> f64 {
     1.0
@@ -60,7 +58,7 @@ impl ChordGroup {
     /// The law that its chordae follow.
     pub fn law(&self) -> ChordLaw {
         let linear = ChordLaw::Linear {
-            modulus_mpa: self.modulus_mpa,
+            modulus_mpa: self.modulus_mpa.unwrap_or(DEFAULT_CHORD_MODULUS_MPA),
         };
         self.law.clone().unwrap_or(linear)
     }

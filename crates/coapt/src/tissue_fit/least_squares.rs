@@ -22,6 +22,26 @@ pub(super) fn two_moduli(
     })
 }
 
+/// The same, but of tissue that does not soften: where the stiff modulus would be less, both are one.
+pub(super) fn two_moduli_that_stiffen(
+    points: &[BiaxialPoint],
+    knee: f64,
+    compression_modulus_ratio: f64,
+) -> ([f64; 2], f64) {
+    let (moduli, error) = two_moduli(points, knee, compression_modulus_ratio);
+    if moduli[0] <= moduli[1] {
+        return (moduli, error);
+    }
+    let ([modulus, _], error) = two_factors(points, |stretch| {
+        let alike = |_, strain| {
+            let (soft, stiff) = parts(strain, knee, compression_modulus_ratio);
+            soft + stiff
+        };
+        [sum(stretch, alike), [0.0; 2]]
+    });
+    ([modulus; 2], error)
+}
+
 /// The two factors [MPa], neither negative, of a sum of two nominal stresses [1] that follows the points best, and the sum of
 /// the squared errors, in squared MPa.
 pub(super) fn two_factors(

@@ -5,9 +5,9 @@
 
 use super::curve::stress_of_law_mpa;
 use super::least_squares::two_factors;
-use super::{BiaxialPoint, in_range, least, longest_stretch, misfit};
+use super::{BiaxialPoint, accepted, in_range, least, longest_stretch, misfit};
 use crate::energy::membrane::{Law, MOST_EXPONENT, exponential, st_venant_kirchhoff};
-use crate::scene::Fault;
+use crate::scene::{Fault, Tissue, Wrinkling, default_bending_modulus_mpa};
 
 /// A fitted law, and how far it is from what it was fitted to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +44,12 @@ pub fn st_venant_kirchhoff_from_curve(
     let of_one = Law::StVenantKirchhoff(of_modulus(1.0));
     let ([modulus_mpa, _], _) = two_factors(&kept, |stretch| [stress_of_law_mpa(&of_one, stretch), [0.0; 2]]);
     let constants = of_modulus(modulus_mpa);
+    accepted(&Tissue::StVenantKirchhoff {
+        modulus_mpa,
+        poisson_ratio,
+        wrinkling: Wrinkling::default(),
+        bending_modulus_mpa: default_bending_modulus_mpa(),
+    })?;
     Ok(judged(
         constants,
         &Law::StVenantKirchhoff(constants),
@@ -74,6 +80,14 @@ pub fn exponential_from_curve(
     };
     let c2 = least(MOST_EXPONENT / excess.powi(2), |c2| moduli(c2).1);
     let constants = of(moduli(c2).0, c2);
+    accepted(&Tissue::Exponential {
+        c0_mpa: constants.c0_mpa,
+        c1_mpa: constants.c1_mpa,
+        c2,
+        compressibility_per_mpa: constants.compressibility_per_mpa,
+        wrinkling: Wrinkling::default(),
+        bending_modulus_mpa: default_bending_modulus_mpa(),
+    })?;
     Ok(judged(
         constants,
         &Law::Exponential(constants),

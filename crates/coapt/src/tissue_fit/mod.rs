@@ -16,9 +16,10 @@ pub mod membranes;
 
 use serde::Serialize;
 
-use crate::scene::{Fault, SpringBranches};
+use crate::model::tissue_faults;
+use crate::scene::{Fault, SpringBranches, Tissue, default_bending_modulus_mpa};
 use lattice::nominal_stress_mpa;
-use least_squares::{descend, two_moduli};
+use least_squares::{descend, two_moduli_that_stiffen};
 
 /// One state of a biaxial test, along and across the fibres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -92,21 +93,29 @@ pub fn area_equivalent(points: &[BiaxialPoint]) -> Vec<BiaxialPoint> {
 /// which the larger in each state counts. `compression_modulus_ratio` is that of the scene [1].
 ///
 /// # Errors
-/// Points that are not finite or not positive stretches, too few in the range, a range that is none.
+/// Points that are not finite or not positive stretches, too few in the range, a range that is none; constants that no model
+/// takes, such as no stiffness at all below the transition.
 pub fn bilinear_from_curve(
     points: &[BiaxialPoint],
     working_range_mpa: [f64; 2],
     compression_modulus_ratio: f64,
 ) -> Result<BilinearFit, Vec<Fault>> {
     let kept = in_range(points, working_range_mpa)?;
-    let error = |knee: f64| two_moduli(&kept, knee, compression_modulus_ratio).1;
+    let error = |knee: f64| two_moduli_that_stiffen(&kept, knee, compression_modulus_ratio).1;
     let knee = least_knee(&kept, error);
-    let ([soft, stiff], _) = two_moduli(&kept, knee, compression_modulus_ratio);
+    let ([soft, stiff], _) = two_moduli_that_stiffen(&kept, knee, compression_modulus_ratio);
     let branches = SpringBranches {
         pre_transition_modulus_mpa: soft,
         transition_strain: knee,
         post_transition_modulus_mpa: stiff,
     };
+    accepted(&Tissue::BilinearSprings {
+        pre_transition_modulus_mpa: soft,
+        transition_strain: knee,
+        post_transition_modulus_mpa: stiff,
+        compression_modulus_ratio,
+        bending_modulus_ratio: 0.0,
+    })?;
     Ok(judged(
         [branches; 2],
         &kept,
@@ -126,12 +135,27 @@ pub fn anisotropic_from_curve(
 ) -> Result<BilinearFit, Vec<Fault>> {
     let kept = in_range(points, working_range_mpa)?;
     let branches = descend(&kept, compression_modulus_ratio);
+    accepted(&Tissue::AnisotropicSprings {
+        circumferential: branches[0],
+        radial: branches[1],
+        compression_modulus_ratio,
+        bending_modulus_mpa: default_bending_modulus_mpa(),
+    })?;
     Ok(judged(
         branches,
         &kept,
         working_range_mpa,
         compression_modulus_ratio,
     ))
+}
+
+/// Constants that a model would refuse are no result; the faults are the model's, and say what it expects.
+fn accepted(tissue: &Tissue) -> Result<(), Vec<Fault>> {
+    let mut faults = tissue_faults(tissue, "fit");
+    for fault in &mut faults {
+        fault.message += "; no such law follows this curve in this working range";
+    }
+    if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
 fn in_range(points: &[BiaxialPoint], range_mpa: [f64; 2]) -> Result<Vec<BiaxialPoint>, Vec<Fault>> {

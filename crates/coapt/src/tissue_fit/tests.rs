@@ -1,4 +1,5 @@
 use super::curve::{STRESS_RATIOS, curve_of_law, curve_of_response};
+use super::membranes::{exponential_from_curve, st_venant_kirchhoff_from_curve};
 use super::*;
 use crate::energy::membrane::{Law, exponential, may_newman};
 
@@ -180,4 +181,63 @@ fn wrong_curves_are_told() {
         .map(|fault| fault.place)
         .collect();
     assert_eq!(places, ["point 4", "point 7"]);
+}
+
+/// A curve of equal stretches and stresses both ways, of the larger stress 0.1 MPa.
+fn alike_both_ways(nominal_stress_mpa: impl Fn(f64) -> f64) -> Vec<BiaxialPoint> {
+    let point = |k: i32| {
+        let stretch = 1.0 + 0.02 * f64::from(k);
+        BiaxialPoint {
+            stretch: [stretch; 2],
+            nominal_stress_mpa: [nominal_stress_mpa(stretch); 2],
+        }
+    };
+    (1..=12).map(point).collect()
+}
+
+/// A straight and a softening curve ask for springs that soften. They get the modulus of a line: that of the straight curve is
+/// 3/2 of the springs' at small strains, 1e-9 is rounding in the ratio of sums.
+#[test]
+fn springs_do_not_soften_where_a_curve_does() {
+    let line = |stretch: f64| 1.5 * 0.2 * (stretch - 1.0);
+    let soft = |stretch: f64| 0.04 * (1.0 - (-30.0 * (stretch - 1.0)).exp());
+    for (curve, due) in [(alike_both_ways(line), Some(0.2)), (alike_both_ways(soft), None)] {
+        let found = bilinear_from_curve(&curve, KILOPASCAL_100, 1.0)
+            .unwrap()
+            .circumferential;
+        let (soft, stiff) = (
+            found.pre_transition_modulus_mpa,
+            found.post_transition_modulus_mpa,
+        );
+        assert!(0.0 < soft && soft <= stiff, "{found:?}");
+        assert!(due.is_none_or(|due| (soft / due - 1.0).abs() < 1e-9), "{found:?}");
+    }
+}
+
+/// Tissue without stress up to a stretch, and compressed while it is pulled, has constants that no model takes, and each fit
+/// says which.
+#[test]
+fn constants_that_no_model_takes_are_told() {
+    let mut slack = alike_both_ways(|stretch| (stretch - 1.1).max(1e-9));
+    slack[..5]
+        .iter_mut()
+        .for_each(|point| point.nominal_stress_mpa[1] = -0.02);
+    let mut pushed = alike_both_ways(|_| -0.01);
+    pushed
+        .iter_mut()
+        .for_each(|point| point.nominal_stress_mpa[1] = 1e-9);
+    let told = |faults: Vec<Fault>, key: &str| {
+        assert!(faults[0].place.ends_with(key), "{faults:?}");
+        assert!(faults[0].message.contains("this curve"), "{faults:?}");
+    };
+    let range = KILOPASCAL_100;
+    told(
+        bilinear_from_curve(&slack, [0.0, 0.2], 1.0).unwrap_err(),
+        "pre_transition_modulus_mpa",
+    );
+    told(
+        st_venant_kirchhoff_from_curve(&pushed, range, 0.5).unwrap_err(),
+        "modulus_mpa",
+    );
+    told(exponential_from_curve(&pushed, range).unwrap_err(), "c0_mpa");
 }

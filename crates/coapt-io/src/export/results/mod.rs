@@ -76,7 +76,10 @@ fn parse(text: &str) -> Result<Nodes, Wrong> {
         .lines()
         .find(|line| !line.trim().is_empty())
         .unwrap_or_default();
-    if first.trim_start().starts_with("1C") {
+    if first.is_empty() {
+        let message = "is empty; expected displacements: did the run end before its last step?";
+        Err((None, message.into()))
+    } else if first.trim_start().starts_with("1C") {
         calculix::frd(text)
     } else if text.lines().any(calculix::begins_block) {
         calculix::dat(text)

@@ -175,7 +175,7 @@ fn a_wrong_file_says_where_and_what_was_expected() {
             "",
             "expected a .dat or .frd of CalculiX",
         ),
-        ("empty", String::new(), "", "expected a .dat or .frd of CalculiX"),
+        ("empty", "\n".to_owned(), "", "is empty; expected displacements"),
         ("short", dat(count - 2, "0.3000000E+01"), "", "2 of "),
         (
             "nan",

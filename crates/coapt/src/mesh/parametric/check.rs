@@ -2,7 +2,7 @@
 
 use super::parameters::{AnnulusDimensions, ValveParameters};
 use super::surface::Surface;
-use crate::scene::{Fault, Tissue};
+use crate::scene::{Fault, LARGEST, Tissue};
 
 /// A number by its key, with the smallest and the largest value that is accepted.
 type Bound = (String, f64, f64, f64);
@@ -79,7 +79,7 @@ fn general_bounds(p: &ValveParameters) -> Vec<Bound> {
         "",
         &[
             ("face_count_target", f64::from(p.face_count_target), 100.0, 1e6),
-            ("pressure_mmhg", p.pressure_mmhg, 0.0, 300.0),
+            ("pressure_mmhg", p.pressure_mmhg, 0.0, LARGEST),
             ("jitter_mm", p.jitter_mm, 0.0, 10.0),
             (
                 "closed_shape.closure_line_fraction",

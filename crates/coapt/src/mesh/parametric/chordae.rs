@@ -83,7 +83,7 @@ pub(super) fn chord_groups(parameters: &ValveParameters, surface: &Surface) -> V
         mesh_file: None,
         mesh: Some(mesh),
         diameter_mm,
-        modulus_mpa,
+        modulus_mpa: Some(modulus_mpa),
         law: None,
         rest_length_scale: chordae.rest_length_scale,
         insertion_radius_mm: default_insertion_radius_mm(),

@@ -1,0 +1,140 @@
+use std::time::SystemTime;
+
+use super::*;
+
+/// A folder that is gone at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("coapt-atomic-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.0).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn replaces_the_old_file_and_leaves_nothing_beside_it() {
+    let folder = Folder::new("replace");
+    let path = folder.path("result.txt");
+    write_text_atomically(&path, b"old, and longer").unwrap();
+    write_text_atomically(&path, b"new").unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), b"new");
+    assert_eq!(folder.names(), ["result.txt"]);
+}
+
+#[test]
+fn a_target_that_cannot_be_replaced_stays_and_no_temporary_is_left() {
+    let folder = Folder::new("target");
+    let target = folder.path("a folder");
+    std::fs::create_dir_all(target.join("with content")).unwrap();
+    assert!(write_text_atomically(&target, b"new").is_err());
+    assert!(target.join("with content").is_dir());
+    assert_eq!(folder.names(), ["a folder"]);
+    assert!(write_text_atomically(Path::new("/"), b"new").is_err());
+}
+
+/// As root, `--out /dev/null` would replace the device for everybody.
+#[cfg(unix)]
+#[test]
+fn a_device_is_not_replaced_by_a_file() {
+    let folder = Folder::new("device");
+    std::os::unix::fs::symlink("/dev/null", folder.path("null")).unwrap();
+    let fault = write_text_atomically(&folder.path("null"), b"new").unwrap_err();
+    assert!(fault.message.contains("not a regular file"), "{fault:?}");
+    assert_eq!(folder.names(), ["null"]);
+}
+
+#[test]
+fn nothing_of_a_batch_appears_before_all_of_it_is_written() {
+    let folder = Folder::new("batch");
+    std::fs::write(folder.path("a"), "old").unwrap();
+    std::fs::write(folder.path("stale"), "old").unwrap();
+    std::fs::create_dir(folder.path("c")).unwrap();
+    let mut batch = Batch::default();
+    batch.write(&folder.path("a"), b"new").unwrap();
+    batch.remove(folder.path("stale"));
+    assert!(batch.write(&folder.path("c"), b"new").is_err());
+    drop(batch);
+    assert_eq!(folder.names(), ["a", "c", "stale"]);
+    assert_eq!(std::fs::read(folder.path("a")).unwrap(), b"old");
+    let mut batch = Batch::default();
+    batch.write(&folder.path("a"), b"new").unwrap();
+    batch.write(&folder.path("b"), b"new").unwrap();
+    batch.remove(folder.path("stale"));
+    batch.remove(folder.path("never there"));
+    assert_eq!(std::fs::read(folder.path("a")).unwrap(), b"old");
+    batch.finish().unwrap();
+    assert_eq!(folder.names(), ["a", "b", "c"]);
+    assert_eq!(std::fs::read(folder.path("a")).unwrap(), b"new");
+}
+
+/// Files that a killed process left: only those of the same name that are too old to be anybody's go.
+#[test]
+fn what_a_killed_process_left_goes_with_time() {
+    let folder = Folder::new("stale");
+    let names = [
+        ".a.txt.123-0.tmp",
+        ".a.txt.124-7.tmp",
+        ".b.txt.123-1.tmp",
+        ".a.txt.tmp",
+        ".a.txt.x-1.tmp",
+    ];
+    for name in names {
+        std::fs::write(folder.path(name), "half").unwrap();
+        let file = OpenOptions::new().write(true).open(folder.path(name)).unwrap();
+        let age = if name.contains("124") {
+            STALE / 2
+        } else {
+            STALE * 2
+        };
+        file.set_modified(SystemTime::now() - age).unwrap();
+    }
+    write_text_atomically(&folder.path("a.txt"), b"new").unwrap();
+    let expected = [
+        ".a.txt.124-7.tmp",
+        ".a.txt.tmp",
+        ".a.txt.x-1.tmp",
+        ".b.txt.123-1.tmp",
+        "a.txt",
+    ];
+    assert_eq!(folder.names(), expected);
+}
+
+/// Two threads write one name again and again: whoever reads meets one of the two texts, whole.
+#[test]
+fn a_reader_never_meets_half_a_file() {
+    let folder = Folder::new("readers");
+    let path = folder.path("result");
+    let texts = ["a".repeat(100_000), "b".repeat(70_000)];
+    write_text_atomically(&path, texts[0].as_bytes()).unwrap();
+    std::thread::scope(|scope| {
+        let writers = texts.each_ref().map(|text| {
+            scope.spawn(|| (0..20).for_each(|_| write_text_atomically(&path, text.as_bytes()).unwrap()))
+        });
+        while !writers.iter().all(|writer| writer.is_finished()) {
+            let read = std::fs::read_to_string(&path).unwrap();
+            assert!(texts.contains(&read), "{} bytes", read.len());
+        }
+    });
+    assert_eq!(folder.names(), ["result"]);
+}
