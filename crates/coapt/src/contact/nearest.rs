@@ -28,7 +28,7 @@ pub struct Parameters {
 /// Point `p` against triangle `(a, b, c)`; vertex order of the weights: p, a, b, c.
 ///
 /// The regions of the triangle's plane one after another (Ericson, Real-Time Collision Detection, 2005, 5.1.5); in
-/// [`undecided`] where these are lost in rounding. The distance is right to 1e-15 of the largest difference of coordinates.
+/// `undecided` where these are lost in rounding. The distance is right to 1e-15 of the largest difference of coordinates.
 #[inline]
 pub fn point_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> Nearest {
     // Everything is measured to p: small numbers, whatever the frame.
@@ -119,7 +119,7 @@ fn part(product: f64, squared: f64) -> f64 {
 
 /// Edge `(a, b)` against edge `(c, d)`; vertex order of the weights: a, b, c, d.
 ///
-/// The closest points of the lines, then clamped to one edge after the other (Ericson 2005, 5.1.9); in [`undecided`] where
+/// The closest points of the lines, then clamped to one edge after the other (Ericson 2005, 5.1.9); in `undecided` where
 /// these are lost in rounding. The distance is right to 1e-15 of the largest difference of coordinates.
 #[inline]
 pub fn edge_edge(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> Nearest {
