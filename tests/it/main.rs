@@ -8,6 +8,7 @@ mod coarsen;
 mod contact;
 mod derivatives;
 mod distances;
+mod fuzzed;
 mod hard;
 mod kaiser;
 mod laws;

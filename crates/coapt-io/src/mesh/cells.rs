@@ -102,14 +102,14 @@ impl CellReader {
                 }
                 None => site.error("the sides of the quad cross; triangulate it", faults)?,
             },
-            _ if has_twice(&self.corners) => {
-                let count = self.corners.len();
-                let text = format!("{count} corners, some of them twice; triangulate it");
-                site.error(&text, faults)?;
-            }
             _ if !is_planar_and_convex(mesh, &self.corners) => {
                 let count = self.corners.len();
                 let text = format!("{count} corners, not planar and convex; triangulate it");
+                site.error(&text, faults)?;
+            }
+            _ if has_twice(&self.corners) => {
+                let count = self.corners.len();
+                let text = format!("{count} corners, some of them twice; triangulate it");
                 site.error(&text, faults)?;
             }
             [first, others @ ..] => {

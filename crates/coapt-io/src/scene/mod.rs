@@ -174,34 +174,41 @@ fn fill_curve(scene: &mut Scene, files: &mut Files) {
     scene.annulus.curve_mm = Some(curve.points_mm);
 }
 
-/// Errors, and warnings, that are told of a scene; more are counted only.
+/// Errors, and warnings, that are told of a scene; more are counted only, unless it is one that a line could tell as well.
 const FAULT_LIMIT: usize = 20;
 
 /// The value with its warnings, or all faults, those of the scene with their lines.
 fn finish<T>(value: T, name: &str, text: &str, files: Files) -> Result<(T, Vec<Fault>), Vec<Fault>> {
     let any_error = files.any_error();
     let in_files = files.in_files.into_iter().map(|fault| (fault, false));
-    let in_scene = files.in_scene.into_iter().map(|fault| (fault, true));
-    let (mut faults, mut errors, mut warnings) = (Vec::new(), 0, 0);
-    for (fault, has_key) in in_files.chain(in_scene) {
-        let count = match fault.severity {
-            Severity::Error => &mut errors,
-            Severity::Warning => &mut warnings,
+    let all: Vec<(Fault, bool)> = in_files
+        .chain(files.in_scene.into_iter().map(|fault| (fault, true)))
+        .collect();
+    let mut faults = Vec::new();
+    for (severity, more) in [
+        (Severity::Error, Fault::error as fn(String, String) -> Fault),
+        (Severity::Warning, Fault::warning),
+    ] {
+        let of_kind: Vec<&(Fault, bool)> = all
+            .iter()
+            .filter(|(fault, _)| fault.severity == severity)
+            .collect();
+        let told = if of_kind.len() > FAULT_LIMIT + 1 {
+            FAULT_LIMIT
+        } else {
+            of_kind.len()
         };
-        *count += 1;
         // To find the line of a key is to read the text once more.
-        match (*count <= FAULT_LIMIT, has_key) {
-            (true, true) => faults.push(located(name, text, &fault)),
-            (true, false) => faults.push(fault),
-            (false, _) => {}
+        faults.extend(of_kind[..told].iter().map(|(fault, has_key)| match has_key {
+            true => located(name, text, fault),
+            false => fault.clone(),
+        }));
+        if told < of_kind.len() {
+            faults.push(more(
+                name.to_owned(),
+                format!("and {} more like these", of_kind.len() - told),
+            ));
         }
-    }
-    let more = |count: usize| format!("and {} more like these", count - FAULT_LIMIT);
-    if errors > FAULT_LIMIT {
-        faults.push(Fault::error(name, more(errors)));
-    }
-    if warnings > FAULT_LIMIT {
-        faults.push(Fault::warning(name, more(warnings)));
     }
     if any_error {
         Err(faults)
