@@ -52,7 +52,9 @@ fn text(cases: &[HardCase], outcomes: &[&[Outcome]]) -> String {
          hand.\n\nEach case is closed from {STARTS} starts, all but the first with every point moved by up to {JITTER} of an edge in \
          each direction; one start that ends otherwise than the case says fails the suite. Residual, crossings, moved are the \
          worst of the {STARTS}, iterations (on all meshes, coarse ones too) the median and the most, time the median, on one core of a \
-         machine with other work. *Moved* is how far a start that was asked for and is tangled was left aside on the way to it; open valves that overlap are drawn apart before, as their models are made. For research use; not a medical device.\n\n\
+         machine with other work. *Moved* is how far \
+         from a tangled start the solver began; open valves that overlap are drawn apart before, as their models are made. For \
+         research use; not a medical device.\n\n\
          | case | what is hard | end | residual | crossings | moved [mm] | iterations | most | time [ms] |\n\
          |---|---|---|---:|---:|---:|---:|---:|---:|\n"
     );

@@ -366,11 +366,12 @@ pub(super) fn line_of(text: &str, byte: usize) -> usize {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use coapt::scene::{Plan, Scene};
 
-    fn told<T: DeserializeOwned>(text: &str) -> Vec<String> {
+    /// The faults of a text, each as place and message.
+    pub(in super::super) fn told<T: DeserializeOwned>(text: &str) -> Vec<String> {
         let faults = parse::<T>("f", text).err().unwrap_or_default();
         faults
             .iter()

@@ -119,16 +119,8 @@ fn put_value(value: &mut Spanned<DeValue<'_>>, span: &Range<usize>, new: &DeValu
 
 #[cfg(test)]
 mod tests {
-    use super::super::document::parse;
+    use super::super::document::tests::told;
     use coapt::scene::{Plan, Scene};
-
-    fn told<T: serde::de::DeserializeOwned>(text: &str) -> Vec<String> {
-        let faults = parse::<T>("f", text).err().unwrap_or_default();
-        faults
-            .iter()
-            .map(|fault| format!("{}: {}", fault.place, fault.message))
-            .collect()
-    }
 
     #[test]
     fn every_wrong_type_is_told_with_its_key() {

@@ -20,14 +20,17 @@ use crate::contact::tangle::{self, Tangle};
 use crate::mesh::topology::Edges;
 
 /// How much wider the valve is opened, in turn, until nothing crosses: parts of the way from the annulus [1]. The least that
-/// serves leaves the shortest way back.
+/// serves leaves the shortest way back; the last opens a funnel to a cone. Our choice.
 const OPENINGS: [f64; 6] = [0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
-/// Leaflets that crossed stay apart by this part of the contact thickness [1].
+/// Leaflets that crossed stay apart by this part of the contact thickness [1]. Our choice, no other was tried: contact begins at
+/// half of what parts are apart at rest, so that less makes it a needle, and more moves points farther than they need.
 const KEPT_APART: f64 = 0.2;
+/// Points that move by less than this part of the contact thickness are not counted as moved [1]: that is rounding of the way back.
+const COUNTED: f64 = 0.01;
 /// Points that must move farther than this are no error of drawing [mm]. Our choice: two or three voxels of ultrasound, 0.5
 /// to 1 mm wide.
 const FARTHEST_MM: f64 = 3.0;
-/// Longest step on the way back, in mean edges [1], and how many at most.
+/// Longest step on the way back, in mean edges [1], and how many at most: 40 edges of way. Our choice.
 const STEP_EDGES: f64 = 0.1;
 const STEP_LIMIT: u32 = 400;
 /// The way back ends where no point comes on by more than this part of a step [1].
@@ -74,7 +77,10 @@ pub(crate) fn untangle(
         .zip(&surface.points)
         .map(|(to, from)| (to - from).norm());
     let (count, farthest_mm) = moves.fold((0, 0.0_f64), |(count, farthest), way| {
-        (count + usize::from(way > 0.01 * thickness_mm), farthest.max(way))
+        (
+            count + usize::from(way > COUNTED * thickness_mm),
+            farthest.max(way),
+        )
     });
     if farthest_mm > FARTHEST_MM {
         let message = format!(

@@ -124,13 +124,13 @@ fn relax_and_log(model: &Model, start: &State, mut log: Log) -> Equilibrium {
     }
     let limit = model.settings.iteration_limit;
     newton.iteration_limit = limit.min(PATIENCE);
-    let mut status = newton.iterate_unless_interrupted(&mut positions, &mut log);
+    let mut status = newton.iterate(&mut positions, &mut log);
     let is_lost = matches!(status, Status::IterationLimit | Status::Stalled);
     if is_lost && limit > PATIENCE && newton.residual(&newton.gradient).is_finite() {
         raise_pressure(model, &mut positions, &mut log);
         newton = Newton::new(model);
         newton.iteration_limit = limit - PATIENCE;
-        status = newton.iterate_unless_interrupted(&mut positions, &mut log);
+        status = newton.iterate(&mut positions, &mut log);
     }
     Equilibrium {
         untangled,

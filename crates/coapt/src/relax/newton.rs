@@ -21,7 +21,8 @@ use crate::energy::Curvature;
 use crate::model::{Model, Prescribed};
 
 /// Longest step of a vertex, as a part of the valve's radius [1]. Larger steps overshoot while the soft branch of
-/// the springs still rules; smaller ones only cost iterations.
+/// the springs still rules; smaller ones only cost iterations. It was tuned as 0.01 of a diagonal measured from the first vertex,
+/// 2.5 to 2.7 radii of the presets.
 const STEP_LIMIT: f64 = 0.026;
 /// Longest step of a vertex in mean edge lengths [1]: fine meshes pay for long steps with long pair lists.
 const STEP_LIMIT_EDGES: f64 = 0.5;
@@ -145,16 +146,11 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Iterates, unless the watcher has said stop before.
-    pub(super) fn iterate_unless_interrupted(&mut self, positions: &mut Vec<Vec3>, log: &mut Log) -> Status {
-        match log.interrupted {
-            true => Status::Interrupted,
-            false => self.iterate(positions, log),
-        }
-    }
-
-    /// Iterates until forces balance; `positions` are where it came to.
+    /// Iterates until forces balance, or the watcher says stop or has said so before; `positions` are where it came to.
     pub(super) fn iterate(&mut self, positions: &mut Vec<Vec3>, log: &mut Log) -> Status {
+        if log.interrupted {
+            return Status::Interrupted;
+        }
         let (mut failures, mut escapes) = (0, 0);
         let (mut least_residual, mut idle) = (f64::INFINITY, 0);
         let mut residuals = Vec::new();
