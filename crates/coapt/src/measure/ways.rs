@@ -1,10 +1,8 @@
 //! The shortest way along the leaflets from each vertex to the annulus, in the unloaded mesh.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use super::surface::Surface;
 use crate::Vec3;
+use crate::mesh;
 use crate::model::Model;
 
 /// How each vertex hangs on the annulus.
@@ -24,33 +22,16 @@ impl Ways {
     }
 }
 
-/// Dijkstra's algorithm from the annulus over the edges.
+/// The ways of an unloaded mesh.
 pub(super) fn ways_from_annulus(model: &Model, s: &Surface) -> Ways {
-    let count = s.vertex_leaflets.len();
-    let mut done = vec![false; count];
-    let mut length_mm = vec![f64::INFINITY; count];
-    let mut hinge_mm = s.rest_mm[..count].to_vec();
-    let mut nearest_first = Vec::with_capacity(count);
-    let mut queue = BinaryHeap::new();
-    for &v in &model.annulus {
-        length_mm[v as usize] = 0.0;
-        queue.push(Reverse((0, v as usize, v as usize)));
-    }
-    while let Some(Reverse((bits, v, parent))) = queue.pop() {
-        if std::mem::replace(&mut done[v], true) {
-            continue;
-        }
-        nearest_first.push((v, parent));
-        hinge_mm[v] = hinge_mm[parent];
-        for &n in s.neighbours(v) {
-            let n = n as usize;
-            let longer = f64::from_bits(bits) + (s.rest_mm[v] - s.rest_mm[n]).norm();
-            if longer < length_mm[n] {
-                length_mm[n] = longer;
-                // Bits of non-negative numbers are in the order of the numbers; ties go to the lower vertex.
-                queue.push(Reverse((longer.to_bits(), n, v)));
-            }
-        }
+    let rest_mm = &s.rest_mm[..s.vertex_leaflets.len()];
+    let mesh::ways::Ways {
+        nearest_first,
+        length_mm,
+    } = mesh::ways::ways_to(&model.annulus, rest_mm, |v| s.neighbours(v));
+    let mut hinge_mm = rest_mm.to_vec();
+    for &(v, next) in &nearest_first {
+        hinge_mm[v] = hinge_mm[next];
     }
     Ways {
         nearest_first,

@@ -6,3 +6,4 @@ pub mod parametric;
 pub mod point_grid;
 pub mod polyline;
 pub mod topology;
+pub(crate) mod ways;

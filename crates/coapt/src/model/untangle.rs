@@ -6,9 +6,6 @@
 //! to where it was given, and contact stops what would cross. What was left of the way is told; where that is more than an
 //! error of drawing, or where opening does not help, the valve is refused.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use super::faults::{Faults, some};
 use super::surface::Surface;
 use crate::Vec3;
@@ -18,6 +15,7 @@ use crate::contact::step_bound::bound_steps;
 use crate::contact::surface as contact;
 use crate::contact::tangle::{self, Tangle};
 use crate::mesh::topology::Edges;
+use crate::mesh::ways::ways_to;
 
 /// How much wider the valve is opened, in turn, until nothing crosses: parts of the way from the annulus [1]. The least that
 /// serves leaves the shortest way back; the last opens a funnel to a cone. Our choice.
@@ -113,10 +111,9 @@ fn opening(surface: &Surface, edges: &Edges, annulus: &[u32]) -> Vec<Vec3> {
         }
         normals = sums;
     }
-    let hanging_mm = ways_from(surface, edges, annulus);
     normals
         .iter()
-        .zip(hanging_mm)
+        .zip(hanging_mm(surface, edges, annulus))
         .map(|(normal, way)| unit(normal) * -way)
         .collect()
 }
@@ -125,33 +122,16 @@ fn unit(vector: &Vec3) -> Vec3 {
     vector.try_normalize(0.0).unwrap_or_default()
 }
 
-/// Length of the shortest way along edges from some vertices [mm], shape `[point]`; zero for what cannot be reached.
-fn ways_from(surface: &Surface, edges: &Edges, sources: &[u32]) -> Vec<f64> {
-    let mut around: Vec<Vec<(u32, f64)>> = vec![Vec::new(); surface.points.len()];
+/// Length of the shortest way along edges to the annulus [mm], shape `[point]`; zero for what hangs on chordae alone.
+fn hanging_mm(surface: &Surface, edges: &Edges, annulus: &[u32]) -> Vec<f64> {
+    let mut around: Vec<Vec<u32>> = vec![Vec::new(); surface.points.len()];
     for &[a, b] in &edges.ends {
-        let length = (surface.points[a as usize] - surface.points[b as usize]).norm();
-        around[a as usize].push((b, length));
-        around[b as usize].push((a, length));
+        around[a as usize].push(b);
+        around[b as usize].push(a);
     }
-    // Lengths are not negative, so that their bits are in the order of their values.
-    let mut ways = vec![f64::INFINITY; surface.points.len()];
-    let mut heap: BinaryHeap<Reverse<(u64, u32)>> = sources.iter().map(|&v| Reverse((0, v))).collect();
-    sources.iter().for_each(|&v| ways[v as usize] = 0.0);
-    while let Some(Reverse((bits, vertex))) = heap.pop() {
-        let way = f64::from_bits(bits);
-        if way > ways[vertex as usize] {
-            continue;
-        }
-        for &(next, length) in &around[vertex as usize] {
-            if way + length < ways[next as usize] {
-                ways[next as usize] = way + length;
-                heap.push(Reverse(((way + length).to_bits(), next)));
-            }
-        }
-    }
-    ways.iter()
-        .map(|&way| if way.is_finite() { way } else { 0.0 })
-        .collect()
+    let ways = ways_to(annulus, &surface.points, |vertex| &around[vertex]);
+    let or_zero = |way: f64| if way.is_finite() { way } else { 0.0 };
+    ways.length_mm.into_iter().map(or_zero).collect()
 }
 
 fn added(points: &[Vec3], motion: &[Vec3], part: f64) -> Vec<Vec3> {
