@@ -1,5 +1,6 @@
 //! What several tests need.
 
+pub mod hard;
 pub mod told;
 
 use coapt::Vec3;
