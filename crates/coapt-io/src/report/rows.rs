@@ -45,6 +45,7 @@ pub(super) fn groups(outcome: &Outcome) -> Vec<Group> {
                 row("contact area", "mm²", 1, m.coaptation.area_mm2),
                 row("coaptation length, mean", "mm", 1, m.coaptation.length_mean_mm),
                 row("coaptation length, largest", "mm", 1, m.coaptation.length_max_mm),
+                row("coaptation length at A2-P2", "mm", 1, m.coaptation.length_a2p2_mm),
                 row("line of closure", "mm", 1, m.coaptation.closure_line_mm),
             ],
         },

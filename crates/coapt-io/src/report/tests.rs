@@ -62,7 +62,7 @@ fn the_json_has_every_field_of_the_contract() {
                     solve/crossings solve/max_penetration_mm solve/discretisation_mm annulus/ap_mm \
                     annulus/commissural_mm annulus/circumference_mm annulus/area_2d_mm2 annulus/area_3d_mm2 \
                     annulus/height_mm annulus/ahcwr coaptation/area_mm2 coaptation/length_mean_mm \
-                    coaptation/length_max_mm coaptation/closure_line_mm orifice/area_mm2 orifice/count \
+                    coaptation/length_max_mm coaptation/length_a2p2_mm coaptation/closure_line_mm orifice/area_mm2 orifice/count \
                     orifice/max_gap_mm tenting/height_mm tenting/area_mm2 tenting/volume_ml billow/height_mm \
                     billow/volume_ml leaflets/0/name leaflets/0/area_rest_mm2 leaflets/0/area_mm2 \
                     leaflets/1/strain_p95 chords/max_force_n chords/total_force_n papillary/0/name \

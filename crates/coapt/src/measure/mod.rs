@@ -122,6 +122,7 @@ mod tests {
             m.coaptation.area_mm2,
             m.coaptation.closure_line_mm,
             m.coaptation.length_mean_mm,
+            m.coaptation.length_a2p2_mm,
             m.orifice.area_mm2,
             m.orifice.max_gap_mm,
             m.tenting.volume_ml,
@@ -179,6 +180,7 @@ mod tests {
         let b = measure(&moved, &move_all(&positions), &[]);
         assert!((a.coaptation.area_mm2 - b.coaptation.area_mm2).abs() < 1e-9);
         assert!((a.coaptation.length_mean_mm - b.coaptation.length_mean_mm).abs() < 1e-9);
+        assert!((a.coaptation.length_a2p2_mm - b.coaptation.length_a2p2_mm).abs() < 1e-9);
         assert!((a.orifice.area_mm2 - b.orifice.area_mm2).abs() < 1e-9);
         assert!((a.annulus.area_3d_mm2 - b.annulus.area_3d_mm2).abs() < 1e-9);
         assert!((a.tenting.volume_ml - b.tenting.volume_ml).abs() < 1e-3 * a.tenting.volume_ml);

@@ -165,12 +165,17 @@ pub(super) fn two_strips(columns: usize, rows: usize, gap: f64) -> Model {
 
 /// Two strips 20 mm wide that lie 0.4 mm apart over some depth and part above at 45° each over 5 mm of height.
 pub(super) fn flared_strips(columns: usize, n: usize, depth: f64) -> Model {
+    sloping_strips(columns, n, |_| depth)
+}
+
+/// The same with a depth that depends on the place along the width (0..1).
+pub(super) fn sloping_strips(columns: usize, n: usize, depth: impl Fn(f64) -> f64) -> Model {
     two_leaflets(columns + 1, 2 * n + 1, |x, row, side| {
         let up = (n as f64 - row as f64) / n as f64;
         let (z, aside) = if up > 0.0 {
             (5.0 * up, 5.0 * up)
         } else {
-            (depth * up, 0.0)
+            (depth(x) * up, 0.0)
         };
         Vec3::new(20.0 * x, side * (0.2 + aside), z)
     })
