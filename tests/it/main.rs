@@ -15,6 +15,7 @@ mod laws;
 mod personalise;
 mod properties;
 mod roads;
+mod sensitivity;
 mod shapes;
 mod tables;
 mod texas;

@@ -31,6 +31,10 @@ pub mod relax;
 
 pub mod measure;
 
+pub mod sensitivity;
+
+pub mod search;
+
 pub mod personalise;
 
 pub mod tissue_fit;

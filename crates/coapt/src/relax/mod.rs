@@ -11,6 +11,7 @@ mod line_search;
 pub mod load;
 mod load_steps;
 mod newton;
+pub mod response;
 mod soft_chordae;
 pub mod stability;
 mod start;

@@ -194,30 +194,79 @@ impl<'a> System<'a> {
             turned,
             ..
         } = self;
+        let mut tangent = TrueTangent {
+            rim,
+            pressure_mpa: model.pressure_mpa,
+            free,
+            weight_mm2,
+            matrix,
+            direction,
+            turned,
+        };
         let multiply = |vector: &[Vec3], product: &mut [Vec3]| {
-            matrix.multiply_into(vector, product);
-            for ((product, value), weight) in product.iter_mut().zip(vector).zip(weight_mm2.iter()) {
-                *product += value * (damping * weight);
-            }
-            for (&vertex, value) in free.iter().zip(vector) {
-                direction[vertex as usize] = *value;
-            }
-            for side in rim.iter().flatten() {
-                turned[*side as usize] = Vec3::zeros();
-            }
-            pressure::add_antisymmetric_product(rim, model.pressure_mpa, positions, direction, turned);
-            for (product, &vertex) in product.iter_mut().zip(free.iter()) {
-                *product += turned[vertex as usize];
-            }
+            tangent.multiply_into(positions, damping, vector, product)
         };
         let precondition = |vector: &mut [Vec3]| symbolic.solve_in_place(factor, vector);
         krylov.solve(multiply, precondition, right, tolerance);
+    }
+
+    /// The true tangent times a vector over the free vertices.
+    pub(super) fn multiply_unsymmetric(&mut self, positions: &[Vec3], vector: &[Vec3], product: &mut [Vec3]) {
+        let mut tangent = TrueTangent {
+            rim: &self.rim,
+            pressure_mpa: self.model.pressure_mpa,
+            free: &self.free,
+            weight_mm2: &self.weight_mm2,
+            matrix: &self.matrix,
+            direction: &mut self.direction,
+            turned: &mut self.turned,
+        };
+        tangent.multiply_into(positions, 0.0, vector, product);
     }
 
     /// The true tangent times a vector over all vertices, prescribed ones zero: for tests of curvature.
     pub(super) fn curvature(&self, direction: &[Vec3], product: &mut [Vec3]) -> f64 {
         self.matrix.multiply_into(direction, product);
         direction.iter().zip(product).map(|(x, kx)| x.dot(kx)).sum()
+    }
+}
+
+/// The symmetric tangent and what pressure on the free margin adds.
+struct TrueTangent<'a> {
+    rim: &'a [[u32; 2]],
+    pressure_mpa: f64,
+    free: &'a [u32],
+    weight_mm2: &'a [f64],
+    matrix: &'a BlockMatrix,
+    /// Room for a vector over all vertices, zero at prescribed ones.
+    direction: &'a mut [Vec3],
+    /// Room for another.
+    turned: &'a mut [Vec3],
+}
+
+impl TrueTangent<'_> {
+    /// (K + μ A) times a vector over the free vertices.
+    fn multiply_into(&mut self, positions: &[Vec3], damping: f64, vector: &[Vec3], product: &mut [Vec3]) {
+        self.matrix.multiply_into(vector, product);
+        for ((product, value), weight) in product.iter_mut().zip(vector).zip(self.weight_mm2) {
+            *product += value * (damping * weight);
+        }
+        for (&vertex, value) in self.free.iter().zip(vector) {
+            self.direction[vertex as usize] = *value;
+        }
+        for side in self.rim.iter().flatten() {
+            self.turned[*side as usize] = Vec3::zeros();
+        }
+        pressure::add_antisymmetric_product(
+            self.rim,
+            self.pressure_mpa,
+            positions,
+            self.direction,
+            self.turned,
+        );
+        for (product, &vertex) in product.iter_mut().zip(self.free) {
+            *product += self.turned[vertex as usize];
+        }
     }
 }
 
