@@ -66,7 +66,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         Format::Json => report.json().map_err(Failure::Outside)?,
     })?;
     if let Some(folder) = &arguments.out {
-        say(&format!("results are in {}\n", folder.display()));
+        say(&format!("results are in {}", folder.display()));
     }
     Ok(Verdict::Done)
 }

@@ -6,6 +6,7 @@ use clap::Args;
 use coapt::mesh::parametric::{self, Preset, ValveParameters};
 use coapt::model::doubts;
 use coapt::scene::Fault;
+use coapt_io::escape::escaped;
 use coapt_io::scene::{nearest, sentence, write_scene};
 use serde_json::Value;
 use toml::Value as Toml;
@@ -46,7 +47,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     tell(&doubts(&scene));
     refuse_full(&arguments.out, arguments.force)?;
     write_scene(&arguments.out, &scene).map_err(Failure::Outside)?;
-    print(&format!("{}\n", arguments.out.join("scene.toml").display()))?;
+    let written = arguments.out.join("scene.toml").display().to_string();
+    print(&(escaped(&written) + "\n"))?;
     Ok(Verdict::Done)
 }
 

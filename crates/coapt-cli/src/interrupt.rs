@@ -93,7 +93,7 @@ fn end(signal: i32) -> ! {
 pub(crate) fn close_watched(what: &str, model: &Model) -> Equilibrium {
     // Before it is waited for, not after.
     if let Some(notice) = size::notice(model.faces.len()) {
-        say(&format!("{what}: {notice} ...\n"));
+        say(&format!("{what}: {notice} ..."));
     }
     let closed = watching(what, |watch| relax_watched(model, &State::open(model), watch));
     work().closed += 1;
@@ -144,7 +144,7 @@ fn sentence(work: &Work, written: &[PathBuf]) -> String {
         [] => parts.push("nothing was written".to_owned()),
         _ => parts.push(format!("complete are {}", listed(written))),
     }
-    format!("interrupted: {}\n", parts.join("; "))
+    format!("interrupted: {}", parts.join("; "))
 }
 
 fn part(reached: &Reached) -> String {
@@ -189,11 +189,11 @@ mod tests {
             residual: 0.0213,
         };
         let mut work = Work::default();
-        assert_eq!(sentence(&work, &[]), "interrupted: nothing was written\n");
+        assert_eq!(sentence(&work, &[]), "interrupted: nothing was written");
         work.running.insert(1, reached("the valve", 1, 37));
         assert_eq!(
             sentence(&work, &[]),
-            "interrupted: the valve after 37 iterations on 10,400 triangles, residual 2.1e-2; nothing was written\n"
+            "interrupted: the valve after 37 iterations on 10,400 triangles, residual 2.1e-2; nothing was written"
         );
         work.running.insert(2, reached("the fit", 3, 1));
         work.running.insert(3, reached("the last", 0, 0));
@@ -202,7 +202,7 @@ mod tests {
             sentence(&work, &["out/a".into(), "out/b".into()]),
             "interrupted: the valve after 37 iterations on 10,400 triangles, residual 2.1e-2; the fit with 3 closures \
              begun on 10,400 triangles, residual 2.1e-2; the last before its first iteration; 1 closure was complete; \
-             complete are out/a, out/b\n"
+             complete are out/a, out/b"
         );
     }
 }

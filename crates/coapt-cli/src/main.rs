@@ -21,10 +21,11 @@ mod output;
 mod personalise;
 mod study;
 
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use coapt_io::escape::escaped_lines;
 
 use output::{Failure, Verdict};
 
@@ -66,7 +67,12 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => {
             // Help is a result, everything else is wrong usage; a closed pipe changes neither.
-            let printed = error.print();
+            let words = error.render().to_string();
+            let printed = match error.use_stderr() && escaped_lines(&words) != words {
+                // It repeats arguments, and names of files may be made by others.
+                true => std::io::stderr().write_all(escaped_lines(&words).as_bytes()),
+                false => error.print(),
+            };
             let lost = printed.is_err_and(|error| error.kind() != ErrorKind::BrokenPipe);
             return ExitCode::from(match error.use_stderr() {
                 true => 2,

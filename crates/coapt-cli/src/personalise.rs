@@ -14,6 +14,7 @@ use coapt::personalise::{
 };
 use coapt::scene::{Fault, Scene};
 use coapt_io::atomic::{Batch, make_folder};
+use coapt_io::escape::escaped;
 use coapt_io::mesh::{read_curve, read_mesh};
 use coapt_io::report::{Closure, NOTICE, Report, stage_results};
 use coapt_io::scene::{sentence, stage_scene};
@@ -91,7 +92,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         Format::Json => told.json(),
     })?;
     if let (Some(folder), true) = (&arguments.out, fit.tuned.is_some()) {
-        say(&format!("the fitted scene is in {}\n", folder.display()));
+        say(&format!("the fitted scene is in {}", folder.display()));
     }
     let certified = fit.tuned.as_ref().is_some_and(Tried::certified);
     Ok(match fit.status == FitStatus::Fitted && certified {
@@ -294,7 +295,11 @@ impl Told<'_> {
     fn text(&self) -> String {
         let fit = self.fit;
         let both = [&fit.untuned, &fit.tuned];
-        let mut text = format!("{}: chordae fitted to {}\n", self.case, self.target);
+        let mut text = format!(
+            "{}: chordae fitted to {}\n",
+            escaped(self.case),
+            escaped(&self.target)
+        );
         text += &format!("{}\n\n{}\n", status(fit.status), self.factors());
         text += &distances("all points", both, |tried| tried.all_points);
         text += &distances("points over visible tissue", both, |tried| tried.visible_points);
@@ -310,7 +315,7 @@ impl Told<'_> {
             fit.closures, fit.unconverged, self.wall_ms
         );
         for warning in &self.warnings {
-            let _ = writeln!(text, "warning: {warning}");
+            let _ = writeln!(text, "warning: {}", escaped(warning));
         }
         text + NOTICE + "\n"
     }
@@ -325,7 +330,7 @@ impl Told<'_> {
         let shown = if self.per_group { self.fit.groups.len() } else { 1 };
         for group in self.fit.groups.iter().take(shown) {
             let name = if self.per_group {
-                &group.name
+                &escaped(&group.name)
             } else {
                 "all chordae"
             };

@@ -93,12 +93,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     // Before minutes of work, not after.
     prepare(&arguments.out)?;
     let Some(study) = on_threads(arguments.threads, || Ok(study(arguments, &models, &finest)))? else {
-        say("error: no reference: the finest mesh did not close to a certified state at any residual\n");
+        say("error: no reference: the finest mesh did not close to a certified state at any residual");
         return Ok(Verdict::Uncertified);
     };
     write_study(&arguments.out, &study).map_err(Failure::Outside)?;
     print(&text(&study))?;
-    say(&format!("results are in {}\n", arguments.out.display()));
+    say(&format!("results are in {}", arguments.out.display()));
     // Settings that fail are what a study is to find; only where all fail is there nothing to trust.
     Ok(match study.rows.iter().any(|row| row.certified) {
         true => Verdict::Done,
@@ -209,7 +209,7 @@ fn reference(finest: &Model) -> Option<(Reference, Equilibrium)> {
     REFERENCE_TOLERANCES.into_iter().find_map(|residual_tolerance| {
         let faces = finest.faces.len();
         say(&format!(
-            "reference: {faces} triangles, residual {residual_tolerance:e} ...\n"
+            "reference: {faces} triangles, residual {residual_tolerance:e} ..."
         ));
         let model = with(finest, residual_tolerance, finest.contact.thickness_mm);
         let exact = close_watched("the reference", &model);
@@ -291,7 +291,7 @@ impl Closure {
 /// Closes a valve and tells of it; all repeats end in the same bytes, so the first is kept.
 fn close((varied, model): (Factor, Model), repeats: u16) -> Closure {
     say(&format!(
-        "{} triangles, residual {:e}, contact thickness {} mm ...\n",
+        "{} triangles, residual {:e}, contact thickness {} mm ...",
         model.faces.len(),
         model.settings.residual_tolerance,
         model.contact.thickness_mm

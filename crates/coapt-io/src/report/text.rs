@@ -7,6 +7,7 @@ use coapt::scene::RingFamily;
 
 use super::rows::{Row, groups};
 use super::{RepairReport, Report, Solve};
+use crate::escape::escaped;
 
 /// Longest line.
 const WIDTH: usize = 100;
@@ -23,7 +24,9 @@ pub fn text(report: &Report) -> String {
     let _ = writeln!(
         out,
         "{}: mitral valve closed at {:.0} mmHg (coapt {})",
-        report.case, report.pressure_mmhg, report.version
+        escaped(&report.case),
+        report.pressure_mmhg,
+        report.version
     );
     let mesh = report.mesh;
     let _ = writeln!(
@@ -117,7 +120,7 @@ fn table(out: &mut String, report: &Report) {
 
 fn row_line(row: &Row, later: Option<&Row>) -> String {
     let digits = row.digits;
-    let name = format!("  {}", shortened(&row.name, NAME - 2));
+    let name = format!("  {}", shortened(&escaped(&row.name), NAME - 2));
     let mut text = format!(
         "{name:NAME$} {:UNIT$}{:>VALUE$}",
         row.unit,
@@ -196,7 +199,7 @@ fn wrapped(out: &mut String, start: &str, text: &str) {
     let indent = start.chars().count();
     let mut column = indent;
     out.push_str(start);
-    for (number, word) in text.split_whitespace().enumerate() {
+    for (number, word) in escaped(text).split_whitespace().enumerate() {
         let length = word.chars().count();
         if number > 0 && column + 1 + length > WIDTH {
             out.push('\n');
