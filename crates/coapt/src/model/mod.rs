@@ -18,6 +18,7 @@ mod hinges;
 mod insertion;
 mod membranes;
 pub mod mesh_quality;
+mod names;
 mod near_points;
 pub mod size;
 mod springs;
