@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let (model, faults) =
         match case::open(Some(&arguments.scene), arguments.limit).and_then(|case| case::build(&case)) {
-            Ok((model, faults)) => (Some(model), faults),
+            Ok(built) => (Some(built.model), built.warnings),
             Err(faults) => (None, faults),
         };
     let count = |severity| faults.iter().filter(|fault| fault.severity == severity).count();

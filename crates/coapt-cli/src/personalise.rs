@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use clap::{Args, value_parser};
 use coapt::Vec3;
-use coapt::model::Model;
+use coapt::model::{Built, Model, Untangled};
 use coapt::personalise::{
     ChordFit, FitSettings, FitStatus, Target, TargetDistance, Tried, annulus_closing_to,
     fit_chord_lengths_watched,
@@ -55,7 +55,11 @@ pub(crate) struct Arguments {
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let mut case = case::open(Some(&arguments.scene), arguments.limit)?;
-    let (mut model, mut warnings) = case::build(&case)?;
+    let Built {
+        mut model,
+        mut warnings,
+        untangled,
+    } = case::build(&case)?;
     let target = read_target(&arguments.target, &mut warnings)?;
     if let Some(path) = &arguments.annulus {
         model = with_annulus(&model, path, &mut warnings)?;
@@ -85,7 +89,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         warnings: warnings.iter().map(sentence).collect(),
     };
     if let Some(folder) = &arguments.out {
-        write(folder, case.scene, &told, &warnings)?;
+        write(folder, case.scene, &told, &warnings, untangled)?;
     }
     print(&match arguments.format {
         Format::Text => told.text(),
@@ -212,13 +216,20 @@ fn move_annulus(scene: &mut Scene, model: &Model) {
 }
 
 /// The scene with the fitted factors, the closed valve and the report; without a result the report alone.
-fn write(folder: &Path, scene: Scene, told: &Told, warnings: &[Fault]) -> Result<(), Failure> {
+fn write(
+    folder: &Path,
+    scene: Scene,
+    told: &Told,
+    warnings: &[Fault],
+    untangled: Option<Untangled>,
+) -> Result<(), Failure> {
     // Closed once more, for the time that one closure takes; it is the fit's, to the last bit.
     let closed = |tuned: &Tried| Closure {
         before: timed("the fitted valve", tuned.model.clone()),
         after: None,
         repairs: Vec::new(),
         warnings: warnings.to_vec(),
+        untangled: untangled.clone(),
     };
     let closure = told.fit.tuned.as_ref().map(closed);
     let mut batch = Batch::default();

@@ -11,6 +11,7 @@ use coapt::measure::{VisibleDistance, visible_distance};
 use coapt::model::Model;
 use coapt::relax::Equilibrium;
 use coapt::scene::Fault;
+use coapt_io::atomic::make_folder;
 use coapt_io::report::NOTICE;
 use coapt_io::study::{
     ERROR_MEANS, Factor, KNEE_MEANS, Reference, Row, STUDY_SCHEMA, Study, mark, text, write_study,
@@ -111,13 +112,13 @@ fn prepare(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
         return Err(vec![Fault::error(place, "is a file; expected a folder to write to")].into());
     }
-    std::fs::create_dir_all(folder).map_err(|error| Failure::Outside(Fault::error(place, error.to_string())))
+    make_folder(folder).map_err(Failure::Outside)
 }
 
 /// The valve at every mesh size, coarsest first, and the one of the reference.
 fn models(arguments: &Arguments) -> Result<(Vec<Model>, Model), Failure> {
     let (cases, finest) = cases(arguments, &FACES)?;
-    let build = |case: &Case| -> Result<Model, Failure> { Ok(case::build(case)?.0) };
+    let build = |case: &Case| -> Result<Model, Failure> { Ok(case::build(case)?.model) };
     let mut models = cases.iter().map(build).collect::<Result<Vec<_>, _>>()?;
     // Sizes aimed at are met roughly: two of them may be one mesh.
     models.dedup_by_key(|model| model.faces.len());

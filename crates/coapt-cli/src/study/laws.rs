@@ -111,7 +111,7 @@ fn under(case: &mut Case, laws: &[Vec<Told>; 2], number: usize) -> Result<Model,
     for leaflet in &mut case.scene.leaflets {
         leaflet.tissue = of(laws, leaflet)[number].tissue;
     }
-    let (model, _) = case::build(case)?;
+    let model = case::build(case)?.model;
     let tissue = &case.scene.leaflets[0].tissue;
     say(&format!(
         "{} triangles, {} ...",

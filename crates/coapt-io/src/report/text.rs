@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use coapt::relax::Status;
-use coapt::scene::RingFamily;
+use coapt::scene::{Readable, RingFamily};
 
 use super::rows::{Row, groups};
-use super::{RepairReport, Report, Solve};
+use super::{RepairReport, Report, Solve, UntangledReport};
 use crate::escape::escaped;
 
 /// Longest line.
@@ -25,7 +25,7 @@ pub fn text(report: &Report) -> String {
         out,
         "{}: mitral valve closed at {:.0} mmHg (coapt {})",
         escaped(&report.case),
-        report.pressure_mmhg,
+        Readable(report.pressure_mmhg),
         report.version
     );
     let mesh = report.mesh;
@@ -44,6 +44,9 @@ pub fn text(report: &Report) -> String {
             certificate(&mut out, "before: ", &report.before.solve);
             certificate(&mut out, "after:  ", &after.solve);
         }
+    }
+    if let Some(untangled) = &report.untangled {
+        line(&mut out, "drawn apart", &untangled_line(untangled));
     }
     table(&mut out, report);
     if !report.warnings.is_empty() {
@@ -68,6 +71,16 @@ fn certificate(out: &mut String, name: &str, solve: &Solve) {
         solve.residual, solve.iterations, solve.wall_ms, solve.discretisation_mm, solve.max_penetration_mm
     );
     wrapped(out, &" ".repeat(name.len()), &work);
+}
+
+/// That the valve closed is not quite the one given.
+fn untangled_line(untangled: &UntangledReport) -> String {
+    let [x, y, z] = untangled.first_at_mm.first().copied().unwrap_or_default();
+    format!(
+        "surfaces of the open valve crossed or touched at {} places, the first at ({x:.1}, {y:.1}, {z:.1}) mm; {} points were \
+         moved before it was closed, by {:.2} mm at most",
+        untangled.places, untangled.moved_points, untangled.farthest_mm
+    )
 }
 
 /// Why a result is not certified; none if it is.
@@ -144,7 +157,7 @@ pub(crate) fn number(value: f64, digits: usize) -> String {
     if is_zero(value, digits) {
         return format!("{:.digits$}", 0.0);
     }
-    format!("{value:.digits$}")
+    format!("{:.digits$}", Readable(value))
 }
 
 fn is_zero(value: f64, digits: usize) -> bool {

@@ -31,6 +31,7 @@ mod validate_tissue;
 
 pub use build::Built;
 pub use doubts::doubts;
+pub use untangle::Untangled;
 pub(crate) use validate_tissue::tissue_faults;
 
 use crate::Vec3;
