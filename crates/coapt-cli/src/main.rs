@@ -7,7 +7,7 @@
 //! | 1 | failed: something outside stood against it, such as a full disk |
 //! | 2 | wrong usage or wrong input |
 //! | 3 | finished, but the result is not certified |
-//! | 130, 143 | interrupted, by Ctrl-C or by being asked to end (SIGTERM) |
+//! | 129, 130, 143 | interrupted: the terminal was closed (SIGHUP), Ctrl-C, asked to end (SIGTERM) |
 
 mod case;
 mod check;
@@ -25,6 +25,7 @@ use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use coapt_io::atomic::remove_empty_folders;
 use coapt_io::escape::escaped_lines;
 
 use output::{Failure, Verdict};
@@ -39,7 +40,7 @@ struct Arguments {
 
 const AFTER_HELP: &str = "\
 Exit status: 0 done, 1 failed, 2 wrong usage or wrong input, 3 finished but not certified,
-130 or 143 interrupted.
+129, 130 or 143 interrupted.
 For research use; not a medical device.";
 
 #[derive(Debug, Subcommand)]
@@ -91,6 +92,9 @@ fn main() -> ExitCode {
         Verb::FitTissue(arguments) => fit_tissue::run(arguments),
         Verb::Study(arguments) => study::run(arguments),
     };
+    if !matches!(outcome, Ok(Verdict::Done)) {
+        remove_empty_folders();
+    }
     match outcome {
         Ok(Verdict::Done) => ExitCode::SUCCESS,
         Ok(Verdict::Uncertified) => ExitCode::from(3),
