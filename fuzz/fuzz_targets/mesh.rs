@@ -116,7 +116,7 @@ fn write_and_read(mesh: &PolyData) {
 }
 
 fn compare_with_itself(file: &Path) {
-    let Ok((read, _)) = read_surface(file, "contact") else {
+    let Ok((read, _)) = read_surface(file, "contact", u32::MAX) else {
         return;
     };
     if let Ok(comparison) = compare(&read.surface, &read.surface, &CompareSettings::default()) {

@@ -33,7 +33,7 @@ fn open(path: &Path) -> (Vec<Fault>, Option<Model>) {
         Err(faults) => return (faults, None),
     };
     let (more, model) = match Model::build(&scene) {
-        Ok(Built { model, warnings }) => (warnings, Some(model)),
+        Ok(Built { model, warnings, .. }) => (warnings, Some(model)),
         Err(faults) => (faults, None),
     };
     let name = path.display().to_string();

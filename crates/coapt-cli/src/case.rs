@@ -122,15 +122,12 @@ impl Source {
 }
 
 /// The model of a case; warnings of reading and of building go together.
-pub(crate) fn build(case: &Case) -> Result<(Model, Vec<Fault>), Vec<Fault>> {
+pub(crate) fn build(case: &Case) -> Result<Built, Vec<Fault>> {
     let mut warnings = case.warnings.clone();
     match Model::build(&case.scene) {
-        Ok(Built {
-            model,
-            warnings: more,
-        }) => {
-            warnings.extend(case.source.locate(&more));
-            Ok((model, warnings))
+        Ok(built) => {
+            warnings.extend(case.source.locate(&built.warnings));
+            Ok(Built { warnings, ..built })
         }
         Err(faults) => {
             warnings.extend(case.source.locate(&faults));

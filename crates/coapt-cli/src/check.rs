@@ -6,6 +6,7 @@ use clap::Args;
 use coapt::model::mesh_quality::SpringQuality;
 use coapt::model::{Model, mesh_quality};
 use coapt::scene::{Fault, Severity};
+use coapt_io::escape::escaped;
 use serde_json::json;
 
 use crate::case::{self, SizeLimit};
@@ -28,7 +29,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let (model, faults) =
         match case::open(Some(&arguments.scene), arguments.limit).and_then(|case| case::build(&case)) {
-            Ok((model, faults)) => (Some(model), faults),
+            Ok(built) => (Some(built.model), built.warnings),
             Err(faults) => (None, faults),
         };
     let count = |severity| faults.iter().filter(|fault| fault.severity == severity).count();
@@ -46,11 +47,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         Format::Text => {
             let mut text: String = faults.iter().map(|fault| fault_line(fault) + "\n").collect();
             if let Some((vertices, faces, chords, name)) = size {
-                text += &format!("{name}: {faces} triangles, {vertices} vertices, {chords} chord segments\n");
+                text += &format!(
+                    "{}: {faces} triangles, {vertices} vertices, {chords} chord segments\n",
+                    escaped(&name)
+                );
             }
             for (leaflet, quality) in &springs {
                 text += &format!(
-                    "{leaflet}: springs are {:.1} % too soft for their mesh, {:.0} % off in the strain they render worst\n",
+                    "{}: springs are {:.1} % too soft for their mesh, {:.0} % off in the strain they render worst\n",
+                    escaped(leaflet),
                     100.0 * quality.softening,
                     100.0 * quality.stiffness_error
                 );
@@ -62,7 +67,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
             };
             text += &format!(
                 "{}: {judged}: {}, {}\n",
-                arguments.scene.display(),
+                escaped(&arguments.scene.display().to_string()),
                 counted(errors, "error"),
                 counted(warnings, "warning")
             );

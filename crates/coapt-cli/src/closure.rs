@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum, value_parser};
-use coapt::model::Model;
+use coapt::model::{Built, Model};
 use coapt::repair::{self, parse_ring_spec};
 use coapt::scene::{Fault, Plan, Repair, SCHEMA_VERSION};
 use coapt_io::report::{Closed, Closure, Report, text, write_results};
@@ -57,9 +57,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         (None, Some(spec)) => Some(ring_plan(spec)?),
         (None, None) => None,
     };
-    let (model, warnings) = case::build(&case)?;
+    let built = case::build(&case)?;
     let (closure, report) = on_threads(arguments.threads, || {
-        let closure = close(model, warnings, plan.as_ref())?;
+        let closure = close(built, plan.as_ref())?;
         let report = Report::new(&closure);
         Ok((closure, report))
     })?;
@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         Format::Json => report.json().map_err(Failure::Outside)?,
     })?;
     if let Some(folder) = &arguments.out {
-        say(&format!("results are in {}\n", folder.display()));
+        say(&format!("results are in {}", folder.display()));
     }
     Ok(match report.certified() {
         true => Verdict::Done,
@@ -143,7 +143,12 @@ impl Planned {
 }
 
 /// Closes a valve, and once more from the open state after the repairs.
-fn close(model: Model, mut warnings: Vec<Fault>, planned: Option<&Planned>) -> Result<Closure, Failure> {
+fn close(built: Built, planned: Option<&Planned>) -> Result<Closure, Failure> {
+    let Built {
+        model,
+        mut warnings,
+        untangled,
+    } = built;
     let mut repairs = Vec::new();
     let Some(planned) = planned else {
         return Ok(Closure {
@@ -151,6 +156,7 @@ fn close(model: Model, mut warnings: Vec<Fault>, planned: Option<&Planned>) -> R
             after: None,
             repairs,
             warnings,
+            untangled,
         });
     };
     warnings.extend(planned.warnings.iter().cloned());
@@ -177,6 +183,7 @@ fn close(model: Model, mut warnings: Vec<Fault>, planned: Option<&Planned>) -> R
         after: Some(after),
         repairs,
         warnings,
+        untangled,
     })
 }
 

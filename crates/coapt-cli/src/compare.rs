@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use coapt::Vec3;
 use coapt::measure::compare::CompareSettings;
-use coapt::scene::Fault;
+use coapt::scene::{Fault, Settings};
 use coapt_io::compare::{ComparisonReport, read_surface, text, write_comparison};
 
 use crate::closure::Format;
@@ -36,11 +36,15 @@ pub(crate) struct Arguments {
     /// The point array that is above 0.5 where tissue touches tissue
     #[arg(long, value_name = "NAME", default_value = "contact")]
     contact_array: String,
+    /// Refuse surfaces of more triangles [default: 250000]
+    #[arg(long, value_name = "N")]
+    max_faces: Option<u32>,
 }
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    let read = |path| read_surface(path, &arguments.contact_array);
+    let face_limit = arguments.max_faces.unwrap_or(Settings::default().face_limit);
+    let read = |path| read_surface(path, &arguments.contact_array, face_limit);
     // Both before any of them is refused: two wrong names are told at once.
     let (result, reference) = (read(&arguments.result), read(&arguments.reference));
     let ((result, mut warnings), (reference, more)) = match (result, reference) {
@@ -66,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         Format::Json => report.json().map_err(Failure::Outside)?,
     })?;
     if let Some(folder) = &arguments.out {
-        say(&format!("results are in {}\n", folder.display()));
+        say(&format!("results are in {}", folder.display()));
     }
     Ok(Verdict::Done)
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use coapt::model::Model;
+use coapt::model::{Built, Model};
 use coapt::scene::Fault;
 use coapt_io::export::{calculix, febio, read_positions, write_export};
 use coapt_io::report::write_closed_surface;
@@ -47,7 +47,7 @@ enum Engine {
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let case = case::open(Some(&arguments.scene), arguments.limit)?;
-    let (model, warnings) = case::build(&case)?;
+    let Built { model, warnings, .. } = case::build(&case)?;
     tell(&warnings);
     match (arguments.format, &arguments.results) {
         (Some(engine), _) => write_input(&case, &model, engine, &arguments.out),

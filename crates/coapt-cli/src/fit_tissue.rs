@@ -6,6 +6,7 @@ use clap::Args;
 use coapt::scene::{SpringBranches, default_bending_modulus_mpa, default_compression_modulus_ratio};
 use coapt::tissue_fit::{BilinearFit, anisotropic_from_curve, area_equivalent, bilinear_from_curve};
 use coapt_io::biaxial::read_biaxial;
+use coapt_io::escape::escaped;
 use coapt_io::report::NOTICE;
 use serde_json::json;
 
@@ -81,8 +82,9 @@ fn text(name: &str, anisotropic: bool, fit: &BilinearFit) -> String {
     };
     let percent = 100.0 * fit.rms_error_mpa / fit.rms_stress_mpa;
     let head = format!(
-        "# Fitted to {name}, {what}, Cauchy stress {} to {} MPa, {} points. Nominal stress: root mean square of the\n\
+        "# Fitted to {}, {what}, Cauchy stress {} to {} MPa, {} points. Nominal stress: root mean square of the\n\
          # error {:.3e} MPa ({percent:.1} % of the stress), largest {:.3e} MPa. {NOTICE}\n[leaflets.tissue]\n",
+        escaped(name),
         fit.working_range_mpa[0],
         fit.working_range_mpa[1],
         fit.points,

@@ -6,7 +6,8 @@ use clap::Args;
 use coapt::mesh::parametric::{self, Preset, ValveParameters};
 use coapt::model::doubts;
 use coapt::scene::Fault;
-use coapt_io::scene::{nearest, sentence, write_scene};
+use coapt_io::escape::escaped;
+use coapt_io::scene::{in_plain_words, nearest, sentence, write_scene};
 use serde_json::Value;
 use toml::Value as Toml;
 
@@ -46,7 +47,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     tell(&doubts(&scene));
     refuse_full(&arguments.out, arguments.force)?;
     write_scene(&arguments.out, &scene).map_err(Failure::Outside)?;
-    print(&format!("{}\n", arguments.out.join("scene.toml").display()))?;
+    let written = arguments.out.join("scene.toml").display().to_string();
+    print(&(escaped(&written) + "\n"))?;
     Ok(Verdict::Done)
 }
 
@@ -87,16 +89,53 @@ fn set(parameters: &ValveParameters, setting: &str) -> Result<ValveParameters, S
         key => key,
     };
     // Words need no quotes: whatever is no TOML value is text.
-    let value = value.trim();
-    let value = match value.parse::<Toml>() {
+    let word = value.trim();
+    let value = match word.parse::<Toml>() {
         Ok(value) => value,
-        Err(_) => Toml::String(value.to_owned()),
+        Err(_) => Toml::String(word.to_owned()),
     };
     let value = serde_json::to_value(value).map_err(|error| error.to_string())?;
     let mut table = serde_json::to_value(parameters).map_err(|error| error.to_string())?;
     let steps: Vec<&str> = key.split('.').collect();
-    put(&mut table, &steps, value)?;
-    serde_json::from_value(table).map_err(|error| error.to_string())
+    let before = table.pointer(&format!("/{}", steps.join("/"))).cloned();
+    let value = match before.as_ref().is_some_and(Value::is_u64) {
+        true => whole(value),
+        false => value,
+    };
+    put(&mut table, &steps, value.clone())?;
+    serde_json::from_value(table).map_err(
+        |error| match before.and_then(|before| expected(&before, &value)) {
+            Some(expected) => format!("`{key}` is `{word}`, expected {expected}"),
+            None => format!("`{key}` is `{word}`: {}", in_plain_words(&error.to_string())),
+        },
+    )
+}
+
+/// A whole number that was written with a point or a power of ten as one without.
+fn whole(value: Value) -> Value {
+    match value.as_f64() {
+        Some(number) if value.is_f64() && number.fract() == 0.0 && (0.0..1e15).contains(&number) => {
+            (number as u64).into()
+        }
+        _ => value,
+    }
+}
+
+/// What may stand in the place of a value, where that value alone says it.
+fn expected(before: &Value, given: &Value) -> Option<String> {
+    match before {
+        // Counts have this limit; a number that has none is not refused for its size.
+        Value::Number(number) if number.is_u64() && given.is_u64() => {
+            Some(format!("at most {}, such as {number}", u32::MAX))
+        }
+        Value::Number(number) if number.is_u64() => {
+            Some(format!("a whole number, 0 or above, such as {number}"))
+        }
+        Value::Number(number) => Some(format!("a number, such as {number}")),
+        Value::Bool(_) => Some("true or false".to_owned()),
+        Value::Array(_) => Some(format!("a list of numbers, such as {before}")),
+        Value::Null | Value::String(_) | Value::Object(_) => None,
+    }
 }
 
 /// Replaces the value at a key path.

@@ -1,4 +1,4 @@
-//! Ctrl-C: tells what was reached, leaves no half-written file, and ends the program at once, whatever it is computing.
+//! Ctrl-C, or a closed terminal: tells what was reached, leaves no half-written file, and ends the program at once, whatever it is computing.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -67,13 +67,31 @@ pub(crate) fn listen() {
         return;
     }
     let again = Arc::new(AtomicBool::new(false));
-    for number in [SIGINT, SIGTERM] {
+    let hang_up = hang_up().filter(|&number| is_heeded(number));
+    for number in [SIGINT, SIGTERM].into_iter().chain(hang_up) {
         // The second time at once, without a word: the first may be waiting for a file system.
         let _ = flag::register_conditional_shutdown(number, 128 + number, Arc::clone(&again));
         let _ = flag::register(number, Arc::clone(&again));
         let _ = flag::register_usize(number, Arc::clone(&signal), number as usize);
     }
     ignore_size_limit();
+}
+
+/// The signal of a terminal that was closed.
+fn hang_up() -> Option<i32> {
+    #[cfg(unix)]
+    return Some(signal_hook::consts::SIGHUP);
+    #[cfg(not(unix))]
+    None
+}
+
+/// Whether whoever started the program has not asked for a signal to be ignored, as `nohup` does; where the system does not say,
+/// the signal is left as it is.
+fn is_heeded(number: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    ignored.is_some_and(|mask| mask & (1 << (number - 1)) == 0)
 }
 
 /// A file that grows beyond the limit of the system is an error to be told, as a full disk is, not a reason to die.
@@ -93,7 +111,7 @@ fn end(signal: i32) -> ! {
 pub(crate) fn close_watched(what: &str, model: &Model) -> Equilibrium {
     // Before it is waited for, not after.
     if let Some(notice) = size::notice(model.faces.len()) {
-        say(&format!("{what}: {notice} ...\n"));
+        say(&format!("{what}: {notice} ..."));
     }
     let closed = watching(what, |watch| relax_watched(model, &State::open(model), watch));
     work().closed += 1;
@@ -144,7 +162,7 @@ fn sentence(work: &Work, written: &[PathBuf]) -> String {
         [] => parts.push("nothing was written".to_owned()),
         _ => parts.push(format!("complete are {}", listed(written))),
     }
-    format!("interrupted: {}\n", parts.join("; "))
+    format!("interrupted: {}", parts.join("; "))
 }
 
 fn part(reached: &Reached) -> String {
@@ -189,11 +207,11 @@ mod tests {
             residual: 0.0213,
         };
         let mut work = Work::default();
-        assert_eq!(sentence(&work, &[]), "interrupted: nothing was written\n");
+        assert_eq!(sentence(&work, &[]), "interrupted: nothing was written");
         work.running.insert(1, reached("the valve", 1, 37));
         assert_eq!(
             sentence(&work, &[]),
-            "interrupted: the valve after 37 iterations on 10,400 triangles, residual 2.1e-2; nothing was written\n"
+            "interrupted: the valve after 37 iterations on 10,400 triangles, residual 2.1e-2; nothing was written"
         );
         work.running.insert(2, reached("the fit", 3, 1));
         work.running.insert(3, reached("the last", 0, 0));
@@ -202,7 +220,7 @@ mod tests {
             sentence(&work, &["out/a".into(), "out/b".into()]),
             "interrupted: the valve after 37 iterations on 10,400 triangles, residual 2.1e-2; the fit with 3 closures \
              begun on 10,400 triangles, residual 2.1e-2; the last before its first iteration; 1 closure was complete; \
-             complete are out/a, out/b\n"
+             complete are out/a, out/b"
         );
     }
 }

@@ -7,7 +7,7 @@
 //! | 1 | failed: something outside stood against it, such as a full disk |
 //! | 2 | wrong usage or wrong input |
 //! | 3 | finished, but the result is not certified |
-//! | 130, 143 | interrupted, by Ctrl-C or by being asked to end (SIGTERM) |
+//! | 129, 130, 143 | interrupted: the terminal was closed (SIGHUP), Ctrl-C, asked to end (SIGTERM) |
 
 mod case;
 mod check;
@@ -21,10 +21,12 @@ mod output;
 mod personalise;
 mod study;
 
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use coapt_io::atomic::remove_empty_folders;
+use coapt_io::escape::escaped_lines;
 
 use output::{Failure, Verdict};
 
@@ -38,7 +40,7 @@ struct Arguments {
 
 const AFTER_HELP: &str = "\
 Exit status: 0 done, 1 failed, 2 wrong usage or wrong input, 3 finished but not certified,
-130 or 143 interrupted.
+129, 130 or 143 interrupted.
 For research use; not a medical device.";
 
 #[derive(Debug, Subcommand)]
@@ -66,7 +68,12 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => {
             // Help is a result, everything else is wrong usage; a closed pipe changes neither.
-            let printed = error.print();
+            let words = error.render().to_string();
+            let printed = match error.use_stderr() && escaped_lines(&words) != words {
+                // It repeats arguments, and names of files may be made by others.
+                true => std::io::stderr().write_all(escaped_lines(&words).as_bytes()),
+                false => error.print(),
+            };
             let lost = printed.is_err_and(|error| error.kind() != ErrorKind::BrokenPipe);
             return ExitCode::from(match error.use_stderr() {
                 true => 2,
@@ -85,6 +92,9 @@ fn main() -> ExitCode {
         Verb::FitTissue(arguments) => fit_tissue::run(arguments),
         Verb::Study(arguments) => study::run(arguments),
     };
+    if !matches!(outcome, Ok(Verdict::Done)) {
+        remove_empty_folders();
+    }
     match outcome {
         Ok(Verdict::Done) => ExitCode::SUCCESS,
         Ok(Verdict::Uncertified) => ExitCode::from(3),

@@ -3,6 +3,7 @@
 use std::io::{ErrorKind, Write};
 
 use coapt::scene::{Fault, Severity};
+use coapt_io::escape::{escaped, escaped_lines};
 use coapt_io::scene::sentence;
 
 /// A verb ran to its end.
@@ -29,10 +30,14 @@ impl From<Vec<Fault>> for Failure {
     }
 }
 
-/// Writes a result to standard output. A reader that has gone away, as `head` does, is no failure.
+/// Writes a result, text or JSON, to standard output, with nothing in it that a terminal would obey. A reader that has
+/// gone away, as `head` does, is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out
+        .write_all(escaped_lines(text).as_bytes())
+        .and_then(|()| out.flush())
+    {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Outside(Fault::error(
             "standard output",
             error.to_string(),
@@ -43,20 +48,21 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 
 /// Writes faults to standard error, a line each.
 pub(crate) fn tell(faults: &[Fault]) {
-    let text: String = faults.iter().map(|fault| fault_line(fault) + "\n").collect();
-    say(&text);
+    faults.iter().for_each(|fault| say(&fault_line(fault)));
 }
 
-/// Writes words to standard error; where that is closed there is nobody to tell.
-pub(crate) fn say(text: &str) {
-    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+/// Writes a line of words to standard error; where that is closed there is nobody to tell.
+pub(crate) fn say(line: &str) {
+    let _ = std::io::stderr()
+        .lock()
+        .write_all((escaped(line) + "\n").as_bytes());
 }
 
-/// `error: scene.toml:12: leaflets[0].thickness_mm is -1 mm, expected ...`
+/// `error: scene.toml:12: leaflets[0].thickness_mm is -1 mm, expected ...`, on one line whatever is told.
 pub(crate) fn fault_line(fault: &Fault) -> String {
     let severity = match fault.severity {
         Severity::Error => "error",
         Severity::Warning => "warning",
     };
-    format!("{severity}: {}", sentence(fault))
+    escaped(&format!("{severity}: {}", sentence(fault)))
 }

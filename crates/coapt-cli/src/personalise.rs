@@ -7,13 +7,14 @@ use std::time::Instant;
 
 use clap::{Args, value_parser};
 use coapt::Vec3;
-use coapt::model::Model;
+use coapt::model::{Built, Model, Untangled};
 use coapt::personalise::{
     ChordFit, FitSettings, FitStatus, Target, TargetDistance, Tried, annulus_closing_to,
     fit_chord_lengths_watched,
 };
 use coapt::scene::{Fault, Scene};
 use coapt_io::atomic::{Batch, make_folder};
+use coapt_io::escape::escaped;
 use coapt_io::mesh::{read_curve, read_mesh};
 use coapt_io::report::{Closure, NOTICE, Report, stage_results};
 use coapt_io::scene::{sentence, stage_scene};
@@ -54,7 +55,11 @@ pub(crate) struct Arguments {
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let mut case = case::open(Some(&arguments.scene), arguments.limit)?;
-    let (mut model, mut warnings) = case::build(&case)?;
+    let Built {
+        mut model,
+        mut warnings,
+        untangled,
+    } = case::build(&case)?;
     let target = read_target(&arguments.target, &mut warnings)?;
     if let Some(path) = &arguments.annulus {
         model = with_annulus(&model, path, &mut warnings)?;
@@ -84,14 +89,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         warnings: warnings.iter().map(sentence).collect(),
     };
     if let Some(folder) = &arguments.out {
-        write(folder, case.scene, &told, &warnings)?;
+        write(folder, case.scene, &told, &warnings, untangled)?;
     }
     print(&match arguments.format {
         Format::Text => told.text(),
         Format::Json => told.json(),
     })?;
     if let (Some(folder), true) = (&arguments.out, fit.tuned.is_some()) {
-        say(&format!("the fitted scene is in {}\n", folder.display()));
+        say(&format!("the fitted scene is in {}", folder.display()));
     }
     let certified = fit.tuned.as_ref().is_some_and(Tried::certified);
     Ok(match fit.status == FitStatus::Fitted && certified {
@@ -211,13 +216,20 @@ fn move_annulus(scene: &mut Scene, model: &Model) {
 }
 
 /// The scene with the fitted factors, the closed valve and the report; without a result the report alone.
-fn write(folder: &Path, scene: Scene, told: &Told, warnings: &[Fault]) -> Result<(), Failure> {
+fn write(
+    folder: &Path,
+    scene: Scene,
+    told: &Told,
+    warnings: &[Fault],
+    untangled: Option<Untangled>,
+) -> Result<(), Failure> {
     // Closed once more, for the time that one closure takes; it is the fit's, to the last bit.
     let closed = |tuned: &Tried| Closure {
         before: timed("the fitted valve", tuned.model.clone()),
         after: None,
         repairs: Vec::new(),
         warnings: warnings.to_vec(),
+        untangled: untangled.clone(),
     };
     let closure = told.fit.tuned.as_ref().map(closed);
     let mut batch = Batch::default();
@@ -294,7 +306,11 @@ impl Told<'_> {
     fn text(&self) -> String {
         let fit = self.fit;
         let both = [&fit.untuned, &fit.tuned];
-        let mut text = format!("{}: chordae fitted to {}\n", self.case, self.target);
+        let mut text = format!(
+            "{}: chordae fitted to {}\n",
+            escaped(self.case),
+            escaped(&self.target)
+        );
         text += &format!("{}\n\n{}\n", status(fit.status), self.factors());
         text += &distances("all points", both, |tried| tried.all_points);
         text += &distances("points over visible tissue", both, |tried| tried.visible_points);
@@ -310,7 +326,7 @@ impl Told<'_> {
             fit.closures, fit.unconverged, self.wall_ms
         );
         for warning in &self.warnings {
-            let _ = writeln!(text, "warning: {warning}");
+            let _ = writeln!(text, "warning: {}", escaped(warning));
         }
         text + NOTICE + "\n"
     }
@@ -325,7 +341,7 @@ impl Told<'_> {
         let shown = if self.per_group { self.fit.groups.len() } else { 1 };
         for group in self.fit.groups.iter().take(shown) {
             let name = if self.per_group {
-                &group.name
+                &escaped(&group.name)
             } else {
                 "all chordae"
             };

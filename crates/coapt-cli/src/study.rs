@@ -11,6 +11,7 @@ use coapt::measure::{VisibleDistance, visible_distance};
 use coapt::model::Model;
 use coapt::relax::Equilibrium;
 use coapt::scene::Fault;
+use coapt_io::atomic::make_folder;
 use coapt_io::report::NOTICE;
 use coapt_io::study::{
     ERROR_MEANS, Factor, KNEE_MEANS, Reference, Row, STUDY_SCHEMA, Study, mark, text, write_study,
@@ -93,12 +94,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     // Before minutes of work, not after.
     prepare(&arguments.out)?;
     let Some(study) = on_threads(arguments.threads, || Ok(study(arguments, &models, &finest)))? else {
-        say("error: no reference: the finest mesh did not close to a certified state at any residual\n");
+        say("error: no reference: the finest mesh did not close to a certified state at any residual");
         return Ok(Verdict::Uncertified);
     };
     write_study(&arguments.out, &study).map_err(Failure::Outside)?;
     print(&text(&study))?;
-    say(&format!("results are in {}\n", arguments.out.display()));
+    say(&format!("results are in {}", arguments.out.display()));
     // Settings that fail are what a study is to find; only where all fail is there nothing to trust.
     Ok(match study.rows.iter().any(|row| row.certified) {
         true => Verdict::Done,
@@ -111,13 +112,13 @@ fn prepare(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
         return Err(vec![Fault::error(place, "is a file; expected a folder to write to")].into());
     }
-    std::fs::create_dir_all(folder).map_err(|error| Failure::Outside(Fault::error(place, error.to_string())))
+    make_folder(folder).map_err(Failure::Outside)
 }
 
 /// The valve at every mesh size, coarsest first, and the one of the reference.
 fn models(arguments: &Arguments) -> Result<(Vec<Model>, Model), Failure> {
     let (cases, finest) = cases(arguments, &FACES)?;
-    let build = |case: &Case| -> Result<Model, Failure> { Ok(case::build(case)?.0) };
+    let build = |case: &Case| -> Result<Model, Failure> { Ok(case::build(case)?.model) };
     let mut models = cases.iter().map(build).collect::<Result<Vec<_>, _>>()?;
     // Sizes aimed at are met roughly: two of them may be one mesh.
     models.dedup_by_key(|model| model.faces.len());
@@ -209,7 +210,7 @@ fn reference(finest: &Model) -> Option<(Reference, Equilibrium)> {
     REFERENCE_TOLERANCES.into_iter().find_map(|residual_tolerance| {
         let faces = finest.faces.len();
         say(&format!(
-            "reference: {faces} triangles, residual {residual_tolerance:e} ...\n"
+            "reference: {faces} triangles, residual {residual_tolerance:e} ..."
         ));
         let model = with(finest, residual_tolerance, finest.contact.thickness_mm);
         let exact = close_watched("the reference", &model);
@@ -291,7 +292,7 @@ impl Closure {
 /// Closes a valve and tells of it; all repeats end in the same bytes, so the first is kept.
 fn close((varied, model): (Factor, Model), repeats: u16) -> Closure {
     say(&format!(
-        "{} triangles, residual {:e}, contact thickness {} mm ...\n",
+        "{} triangles, residual {:e}, contact thickness {} mm ...",
         model.faces.len(),
         model.settings.residual_tolerance,
         model.contact.thickness_mm

@@ -1,6 +1,6 @@
 //! Writing files whole or not at all: a reader never meets half a file, and a full disk costs no old result.
 //!
-//! A file is written under another name, `.NAME.PROCESS-COUNT.tmp`, in the folder where it is to be, and renamed when it is
+//! A file is written under another name, `.NAME.PROCESS-COUNT-MACHINE.tmp`, in the folder where it is to be, and renamed when it is
 //! complete. Files that belong together are a [`Batch`]: all are written before the first is renamed, so that whatever may
 //! fail or take time is over by then. A process that is killed between two of the renames leaves some files of each run, each
 //! of them whole. What a killed process leaves under other names is ignored, and removed by a later run that writes the same
@@ -16,8 +16,10 @@ use std::time::Duration;
 
 use coapt::scene::Fault;
 
-/// Files under other names that are older belong to processes that are gone: none takes so long to write a file. Whether
-/// a process lives cannot be asked where several machines share a folder.
+mod owner;
+
+/// Files under other names that are older belong to processes that are gone: none takes so long to write a file. Younger
+/// ones go where the process is known to be gone: that cannot be asked of another machine that shares the folder.
 const STALE: Duration = Duration::from_secs(60 * 60);
 
 /// Files that appear together. Dropped unfinished, it leaves no trace.
@@ -93,11 +95,14 @@ struct Register {
     unfinished: BTreeSet<PathBuf>,
     /// Files of the batch that was finished last.
     finished: Vec<PathBuf>,
+    /// Folders that this process made, inner ones last.
+    made: Vec<PathBuf>,
 }
 
 static REGISTER: Mutex<Register> = Mutex::new(Register {
     unfinished: BTreeSet::new(),
     finished: Vec::new(),
+    made: Vec::new(),
 });
 
 fn register() -> MutexGuard<'static, Register> {
@@ -123,7 +128,20 @@ pub fn halt() -> Halted {
     for temporary in std::mem::take(&mut register.unfinished) {
         let _ = std::fs::remove_file(temporary);
     }
+    remove_empty(&mut register);
     Halted(register)
+}
+
+/// Removes folders that [`make_folder`] made in this process and that are empty; for who has failed to fill them.
+pub fn remove_empty_folders() {
+    remove_empty(&mut register());
+}
+
+fn remove_empty(register: &mut Register) {
+    for folder in register.made.drain(..).rev() {
+        // One with something in it stays, whoever put it there.
+        let _ = std::fs::remove_dir(folder);
+    }
 }
 
 /// Writes `bytes` to a new file beside `path`, then renames it to `path`, which replaces an old file there.
@@ -154,6 +172,15 @@ pub fn write_files(folder: &Path, files: &[(&str, String)]) -> std::result::Resu
 /// # Errors
 /// What the file system says.
 pub fn make_folder(folder: &Path) -> std::result::Result<(), Fault> {
+    // Held from before the folder exists: who halts must know of it.
+    let mut register = register();
+    let all = folder.ancestors().filter(|above| !above.as_os_str().is_empty());
+    let mut absent: Vec<PathBuf> = all
+        .take_while(|above| !above.exists())
+        .map(Path::to_owned)
+        .collect();
+    absent.reverse();
+    register.made.extend(absent);
     std::fs::create_dir_all(folder).map_err(|error| file_fault(folder, &error))
 }
 
@@ -174,11 +201,9 @@ fn create_beside(path: &Path) -> Result<(PathBuf, File)> {
         let mut hidden = std::ffi::OsString::from(".");
         hidden.push(name);
         // Process and count keep two writers of one name apart.
-        hidden.push(format!(
-            ".{}-{}.tmp",
-            std::process::id(),
-            COUNTER.fetch_add(1, Ordering::Relaxed)
-        ));
+        let count = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let machine = owner::machine().map_or(String::new(), |machine| format!("-{machine}"));
+        hidden.push(format!(".{}-{count}{machine}.tmp", std::process::id()));
         let temporary = path.with_file_name(hidden);
         match OpenOptions::new().write(true).create_new(true).open(&temporary) {
             Ok(file) => {
@@ -203,27 +228,17 @@ fn remove_stale(paths: &[PathBuf]) {
             folder
         };
         for entry in std::fs::read_dir(listed).into_iter().flatten().flatten() {
-            let is_ours = names().any(|path| is_temporary_of(&entry.file_name(), path));
-            let modified = entry.metadata().and_then(|metadata| metadata.modified());
-            let age = modified.ok().and_then(|time| time.elapsed().ok());
-            if is_ours && age.is_some_and(|age| age > STALE) {
+            let name = entry.file_name();
+            let Some(owner) = names().find_map(|path| owner::of_temporary(&name, path)) else {
+                continue;
+            };
+            let Ok(metadata) = entry.metadata() else { continue };
+            let age = metadata.modified().ok().and_then(|time| time.elapsed().ok());
+            if age.is_some_and(|age| age > STALE) || owner.is_gone(&metadata) {
                 let _ = std::fs::remove_file(entry.path());
             }
         }
     }
-}
-
-/// Whether a file is called `.NAME.PROCESS-COUNT.tmp` after a path.
-fn is_temporary_of(file: &std::ffi::OsStr, path: &Path) -> bool {
-    let (Some(file), Some(name)) = (file.to_str(), path.file_name().and_then(|name| name.to_str())) else {
-        return false;
-    };
-    let rest = file.strip_prefix('.').and_then(|rest| rest.strip_prefix(name));
-    let middle = rest.and_then(|rest| rest.strip_prefix('.')?.strip_suffix(".tmp"));
-    let digits = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
-    middle
-        .and_then(|middle| middle.split_once('-'))
-        .is_some_and(|(process, count)| digits(process) && digits(count))
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@
 
 use std::path::Path;
 
-use coapt::scene::Fault;
+use coapt::scene::{Fault, Readable};
 use coapt::tissue_fit::BiaxialPoint;
 
 use crate::scene::read_text;
@@ -162,7 +162,7 @@ impl Columns {
             let name = &self.names[self.stretch[axis]];
             return Err(format!(
                 "`{name}` is {}, expected a stretch, 1 at rest",
-                stretch[axis]
+                Readable(stretch[axis])
             ));
         }
         let force = [number(self.force[0])?, number(self.force[1])?];

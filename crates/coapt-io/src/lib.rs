@@ -4,6 +4,8 @@ pub mod atomic;
 
 mod encoding;
 
+pub mod escape;
+
 pub mod mesh;
 
 pub mod scene;

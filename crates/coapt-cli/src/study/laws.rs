@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     })?;
     write_laws(&arguments.out, &study).map_err(Failure::Outside)?;
     print(&text_of_laws(&study))?;
-    say(&format!("results are in {}\n", arguments.out.display()));
+    say(&format!("results are in {}", arguments.out.display()));
     Ok(match study.rows.iter().any(|row| row.certified) {
         true => Verdict::Done,
         false => Verdict::Uncertified,
@@ -111,10 +111,10 @@ fn under(case: &mut Case, laws: &[Vec<Told>; 2], number: usize) -> Result<Model,
     for leaflet in &mut case.scene.leaflets {
         leaflet.tissue = of(laws, leaflet)[number].tissue;
     }
-    let (model, _) = case::build(case)?;
+    let model = case::build(case)?.model;
     let tissue = &case.scene.leaflets[0].tissue;
     say(&format!(
-        "{} triangles, {} ...\n",
+        "{} triangles, {} ...",
         model.faces.len(),
         tissue.law_name()
     ));

@@ -77,6 +77,38 @@ fn a_file_that_may_not_grow_leaves_the_old_results() {
     assert_old_results_stay(&folder, limited, "File too large");
 }
 
+/// A folder that was made for results that could not be written is gone again; one that was there stays.
+#[cfg(unix)]
+#[test]
+fn a_run_that_fails_leaves_no_empty_folder() {
+    let folder = Folder::new("empty-folder");
+    let there = folder.path("there");
+    std::fs::create_dir(&there).unwrap();
+    for out in [folder.path("a/b"), there.clone()] {
+        let output = Command::new("sh")
+            .args([
+                "-c",
+                "ulimit -f 1; exec \"$0\" \"$@\"",
+                env!("CARGO_BIN_EXE_coapt"),
+            ])
+            .args([
+                "study",
+                "--faces",
+                "160",
+                "--reference-faces",
+                "300",
+                "--tolerance",
+                "1e-2",
+            ])
+            .args(["--repeats", "1", "--out", &out])
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    }
+    assert!(!Path::new(&folder.path("a")).exists());
+    assert!(Path::new(&there).is_dir());
+}
+
 /// A file system of a few pages, full of earlier results; only root can make one.
 #[cfg(target_os = "linux")]
 #[test]
@@ -316,6 +348,36 @@ fn the_limit_of_faces_is_the_users() {
             stdout(&output)
         );
     }
+}
+
+#[test]
+fn surfaces_to_compare_have_the_same_limit() {
+    let folder = Folder::new("limit-of-compare");
+    let valve = folder.valve(&[]);
+    let surface = Path::new(&valve)
+        .join("leaflet_anterior.vtp")
+        .display()
+        .to_string();
+    let compare = |more: &[&str]| coapt(&[&["compare", &surface, &surface][..], more].concat());
+    assert_eq!(compare(&[]).status.code(), Some(0));
+    let refused = compare(&["--max-faces", "50"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        stderr(&refused).contains("triangles, expected 50 at most"),
+        "{}",
+        stderr(&refused)
+    );
+    // The header is enough where it tells: the rest is not there.
+    let large = folder.path("large.stl");
+    let file = File::create(&large).unwrap();
+    let mut head = vec![b' '; 80];
+    head.extend(10_000_000_u32.to_le_bytes());
+    std::io::Write::write_all(&mut &file, &head).unwrap();
+    file.set_len(84 + 50 * 10_000_000).unwrap();
+    let refused = coapt(&["compare", &surface, &large]);
+    assert_eq!(refused.status.code(), Some(2));
+    let expected = "large.stl has 10,000,000 triangles, expected 250,000 at most";
+    assert!(stderr(&refused).contains(expected), "{}", stderr(&refused));
 }
 
 /// The full size in a format that announces nothing, so that all of it is read: `cargo test -p coapt-cli --test cli -- --ignored`

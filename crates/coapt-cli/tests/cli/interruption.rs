@@ -144,6 +144,10 @@ fn killed_at_any_moment_every_file_is_the_old_or_the_new_one() {
         let output = start(&rivals.runs[0]).wait_with_output().unwrap();
         assert!(matches!(output.status.code(), Some(0 | 3)), "{}", stderr(&output));
         assert_eq!(rivals.found(), BTreeSet::from([0]));
+        // Elsewhere they go after an hour.
+        if cfg!(target_os = "linux") {
+            assert_eq!(temporaries(Path::new(&rivals.out)), Vec::<String>::new());
+        }
     }
     eprintln!("{met} of 64 kills came in time and left {half_written} files under other names");
     assert!(met >= 16, "{met} of 64 kills came in time");
@@ -166,7 +170,7 @@ fn interrupted_at_any_moment_all_files_are_of_one_run() {
 fn an_interruption_tells_what_was_reached_and_ends_at_once() {
     let folder = Folder::new("told");
     let out = folder.path("out");
-    for (signal, status) in [("-INT", 130), ("-TERM", 143)] {
+    for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         let study = "study --faces 20000 --reference-faces 20000 --out OUT".replace("OUT", &out);
         let mut child = start(&study.split(' ').map(str::to_owned).collect::<Vec<_>>());
         let mut words = BufReader::new(child.stderr.take().unwrap());
@@ -185,7 +189,42 @@ fn an_interruption_tells_what_was_reached_and_ends_at_once() {
         // Within 0.1 s where the machine has nothing else to do; here other tests run beside.
         assert!(took < Duration::from_secs(1), "{took:?}");
     }
-    assert!(snapshot(Path::new(&out)).is_empty() && temporaries(Path::new(&out)).is_empty());
+    // The folder was made before the work began, and nothing was put into it.
+    assert!(!Path::new(&out).exists());
+}
+
+/// What was begun with `nohup` outlives its terminal.
+#[cfg(target_os = "linux")]
+#[test]
+fn who_asked_for_hang_ups_to_be_ignored_is_not_interrupted_by_them() {
+    let folder = Folder::new("nohup");
+    let study = [
+        "study",
+        "--faces",
+        "20000",
+        "--reference-faces",
+        "20000",
+        "--out",
+        &folder.path("out"),
+    ];
+    let mut child = Command::new("sh")
+        .args([
+            "-c",
+            "trap '' HUP; exec \"$0\" \"$@\"",
+            env!("CARGO_BIN_EXE_coapt"),
+        ])
+        .args(study)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut words = BufReader::new(child.stderr.take().unwrap());
+    words.read_line(&mut String::new()).unwrap();
+    send("-HUP", &child);
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(child.try_wait().unwrap().is_none());
+    send("-INT", &child);
+    assert_eq!(child.wait().unwrap().code(), Some(130));
 }
 
 /// Whether the first is still being answered or not.

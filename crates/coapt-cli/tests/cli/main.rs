@@ -10,3 +10,4 @@ mod personalise;
 mod program;
 mod real_data;
 mod study;
+mod words;

@@ -120,6 +120,32 @@ fn what_a_killed_process_left_goes_with_time() {
     assert_eq!(folder.names(), expected);
 }
 
+/// At once where its process is known to be gone: it ran on this machine, and is not listed any more.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_a_killed_process_of_this_machine_left_goes_at_once() {
+    let folder = Folder::new("gone");
+    let mut child = std::process::Command::new("true").spawn().unwrap();
+    let gone = child.id();
+    child.wait().unwrap();
+    let machine = owner::machine().unwrap();
+    let living = format!(".a.{}-900-{machine}.tmp", std::process::id());
+    let elsewhere = format!(".a.{gone}-0-0123456789abcdef.tmp");
+    let unknown = format!(".a.{gone}-1.tmp");
+    for name in [
+        &living,
+        &elsewhere,
+        &unknown,
+        &format!(".a.{gone}-2-{machine}.tmp"),
+    ] {
+        std::fs::write(folder.path(name), "half").unwrap();
+    }
+    write_text_atomically(&folder.path("a"), b"new").unwrap();
+    let mut expected = vec![living, elsewhere, unknown, "a".to_owned()];
+    expected.sort();
+    assert_eq!(folder.names(), expected);
+}
+
 /// Two threads write one name again and again: whoever reads meets one of the two texts, whole.
 #[test]
 fn a_reader_never_meets_half_a_file() {

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use coapt::Vec3;
 use coapt::measure::compare::ComparedSurface;
+use coapt::model::size::grouped;
 use coapt::scene::Fault;
 
-use crate::mesh::{PolyData, read_mesh};
+use crate::mesh::{PolyData, announced_triangles, read_mesh};
 
 /// A surface and the file that it was read from.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,12 +29,22 @@ const ANNULUS: &str = "annulus";
 /// where they are.
 ///
 /// # Errors
-/// As of [`read_mesh`]; a folder that holds no closed valve, or one before and one after a plan; an array of contact
+/// As of [`read_mesh`]; more than `face_limit` triangles, which are not read where the file announces them; a folder that holds no closed valve, or one before and one after a plan; an array of contact
 /// that does not have one finite number for each point.
-pub fn read_surface(path: &Path, contact_array: &str) -> Result<(ReadSurface, Vec<Fault>), Vec<Fault>> {
+pub fn read_surface(
+    path: &Path,
+    contact_array: &str,
+    face_limit: u32,
+) -> Result<(ReadSurface, Vec<Fault>), Vec<Fault>> {
     let path = file_in(path).map_err(|fault| vec![fault])?;
     let name = path.display().to_string();
+    let within = |faces: u64| match faces > u64::from(face_limit) {
+        true => Err(vec![Fault::error(&name, too_many(faces, face_limit))]),
+        false => Ok(()),
+    };
+    within(announced_triangles(&path).unwrap_or(0))?;
     let (mesh, warnings) = read_mesh(&path)?;
+    within(mesh.triangles.len() as u64)?;
     let marks = |array: &str| marks(&mesh, array).map_err(|message| vec![Fault::error(&name, message)]);
     let surface = ComparedSurface {
         points_mm: mesh.points.iter().map(|&p| Vec3::from(p)).collect(),
@@ -44,6 +55,14 @@ pub fn read_surface(path: &Path, contact_array: &str) -> Result<(ReadSurface, Ve
         name: name.clone(),
     };
     Ok((ReadSurface { mesh, surface }, warnings))
+}
+
+fn too_many(faces: u64, face_limit: u32) -> String {
+    format!(
+        "has {} triangles, expected {} at most: coarsen the mesh or, where the machine has room for it, raise the limit",
+        grouped(faces as usize),
+        grouped(face_limit as usize)
+    )
 }
 
 /// The surface file that a path means.

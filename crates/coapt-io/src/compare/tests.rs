@@ -44,7 +44,7 @@ fn report_of(folder: &Folder, change: impl Fn(&mut PolyData)) -> (ReadSurface, C
     let write = |name: &str, mesh: &PolyData| {
         let path = folder.0.join(name);
         write_vtp(&path, mesh).unwrap();
-        read_surface(&path, "contact").unwrap().0
+        read_surface(&path, "contact", u32::MAX).unwrap().0
     };
     let mut result = trough(3.0);
     change(&mut result);
@@ -135,7 +135,11 @@ fn what_is_not_known_is_said() {
 #[test]
 fn folders_are_understood() {
     let folder = Folder::new("folders");
-    let refused = |path: &Path| read_surface(path, "contact").unwrap_err()[0].message.clone();
+    let refused = |path: &Path| {
+        read_surface(path, "contact", u32::MAX).unwrap_err()[0]
+            .message
+            .clone()
+    };
     assert!(refused(&folder.0).contains("is a folder without closed.vtp"));
     std::fs::create_dir_all(folder.0.join("after")).unwrap();
     write_vtp(&folder.0.join("after/closed.vtp"), &trough(1.0)).unwrap();
@@ -144,9 +148,9 @@ fn folders_are_understood() {
         message.contains("before and after a plan") && message.contains("after"),
         "{message}"
     );
-    assert!(read_surface(&folder.0.join("after"), "contact").is_ok());
+    assert!(read_surface(&folder.0.join("after"), "contact", u32::MAX).is_ok());
     write_vtp(&folder.0.join("closed.vtp"), &trough(1.0)).unwrap();
-    let (read, _) = read_surface(&folder.0, "contact").unwrap();
+    let (read, _) = read_surface(&folder.0, "contact", u32::MAX).unwrap();
     assert!(read.surface.name.ends_with("closed.vtp"));
     assert!(refused(&folder.0.join("missing.vtp")).contains("No such file"));
 }
@@ -160,7 +164,9 @@ fn marks_and_surfaces_are_checked() {
     mesh.point_arrays[0].components = 2;
     mesh.point_arrays[0].values = vec![0.0; 12];
     write_vtp(&path, &mesh).unwrap();
-    let message = read_surface(&path, "contact").unwrap_err()[0].message.clone();
+    let message = read_surface(&path, "contact", u32::MAX).unwrap_err()[0]
+        .message
+        .clone();
     assert_eq!(
         message,
         "point array `contact` has 12 values, expected one for each of 6 points"
@@ -171,7 +177,7 @@ fn marks_and_surfaces_are_checked() {
             "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 9 0 0 0 9 0\n";
         let tail = "POINT_DATA 3\nSCALARS contact float 1\nLOOKUP_TABLE default\n";
         std::fs::write(&path, format!("{head}{values}{tail}0 nan 1\n")).unwrap();
-        read_surface(&path, "contact")
+        read_surface(&path, "contact", u32::MAX)
     };
     let message = legacy("POLYGONS 1 4\n3 0 1 2\n").unwrap_err()[0].message.clone();
     assert!(
@@ -184,7 +190,7 @@ fn marks_and_surfaces_are_checked() {
         ..trough(1.0)
     };
     write_vtp(&path, &lines).unwrap();
-    let (read, _) = read_surface(&path, "contact").unwrap();
+    let (read, _) = read_surface(&path, "contact", u32::MAX).unwrap();
     let faults =
         ComparisonReport::new(&read, &read, &CompareSettings::default(), "contact", vec![]).unwrap_err();
     assert!(faults[0].message.starts_with("has no faces"), "{faults:?}");

@@ -7,6 +7,7 @@ use coapt::measure::compare::{AlignmentMethod, Comparison, Definitions, Regions,
 use coapt::scene::Space;
 
 use super::{ComparisonReport, FileOf};
+use crate::escape::escaped;
 use crate::report::{line, number};
 
 /// Columns: the definition, how many distances, a statistic.
@@ -61,7 +62,7 @@ fn surface(out: &mut String, name: &str, file: &FileOf, summary: &SurfaceSummary
         Some(Space::RAS) => "RAS, turned to LPS",
         None => "no frame mark, taken as LPS",
     };
-    let _ = writeln!(out, "{name:10} {} ({space})", file.path);
+    let _ = writeln!(out, "{name:10} {} ({space})", escaped(&file.path));
     let mut parts = format!(
         "{} triangles, {} points, {:.0} mm2, mean edge {:.2} mm",
         summary.faces, summary.points, summary.area_mm2, summary.mean_edge_mm

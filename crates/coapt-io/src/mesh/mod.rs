@@ -51,6 +51,7 @@ pub use write::{write_pvd, write_vtp};
 
 use faults::{Faults, Place, Stop};
 use sniff::Format;
+pub(crate) use sniff::{looks_binary, mesh_format};
 
 /// Larger files are refused: ten million triangles take less.
 const SIZE_LIMIT_BYTES: u64 = 2 << 30;

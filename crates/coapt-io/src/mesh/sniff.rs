@@ -103,6 +103,36 @@ fn recognise(bytes: &[u8], extension: Option<&str>) -> Option<Format> {
     }
 }
 
+/// The format of bytes that are a mesh and nothing else that a person might have meant; tables of other words begin with a `v`
+/// too, but not with numbers behind it.
+pub(crate) fn mesh_format(bytes: &[u8]) -> Option<&'static str> {
+    Some(match recognise(bytes, None)? {
+        Format::Legacy => "VTK legacy",
+        Format::Vtp if find(bytes, b"<VTKFile") => "VTK XML",
+        Format::Ply => "PLY",
+        Format::StlText => "STL, text",
+        Format::StlBinary => "STL, binary",
+        Format::Obj if has_obj_point(bytes) => "OBJ",
+        Format::Vtp | Format::Obj | Format::Json => return None,
+    })
+}
+
+/// Whether a word stands in the beginning.
+fn find(bytes: &[u8], word: &[u8]) -> bool {
+    let head = &bytes[..bytes.len().min(1024)];
+    head.windows(word.len()).any(|part| part == word)
+}
+
+/// Whether a line is a point in OBJ: `v 1 2 3`.
+fn has_obj_point(bytes: &[u8]) -> bool {
+    let is_point = |line: &[u8]| {
+        let mut words = line.trim_ascii().split(u8::is_ascii_whitespace);
+        let number = |word: &[u8]| std::str::from_utf8(word).is_ok_and(|word| word.parse::<f64>().is_ok());
+        words.next() == Some(b"v") && words.next().is_some_and(number)
+    };
+    bytes.split(|&byte| byte == b'\n' || byte == b'\r').any(is_point)
+}
+
 /// Whether the size is that of a binary STL: 80 bytes, a count n, and 50 n bytes.
 fn is_binary_stl(bytes: &[u8]) -> bool {
     let count = bytes
@@ -113,7 +143,7 @@ fn is_binary_stl(bytes: &[u8]) -> bool {
 }
 
 /// Whether the beginning has bytes that no text has. Any byte above 127 may be a letter.
-fn looks_binary(bytes: &[u8]) -> bool {
+pub(crate) fn looks_binary(bytes: &[u8]) -> bool {
     bytes
         .iter()
         .take(1024)

@@ -5,7 +5,7 @@ mod surfaces;
 mod text;
 
 use coapt::measure::{self, Measures};
-use coapt::model::Model;
+use coapt::model::{Model, Untangled};
 use coapt::relax::{Equilibrium, Status};
 use coapt::repair;
 use coapt::scene::{Fault, MMHG_MPA, RingFamily};
@@ -43,6 +43,8 @@ pub struct Closure {
     pub repairs: Vec<repair::Report>,
     /// Repairs of the input, guesses and doubts, in the order in which they came up.
     pub warnings: Vec<Fault>,
+    /// What crossed in the open valve as given and was drawn apart.
+    pub untangled: Option<Untangled>,
 }
 
 /// The JSON report. Units are in the names; see the measures for their definitions.
@@ -60,6 +62,9 @@ pub struct Report {
     pub pressure_mmhg: f64,
     /// Size of the model.
     pub mesh: MeshSize,
+    /// What crossed in the open valve as given and was drawn apart; absent where nothing did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub untangled: Option<UntangledReport>,
     /// Without the plan.
     pub before: Outcome,
     /// With the plan; absent without one.
@@ -80,6 +85,19 @@ pub struct MeshSize {
     pub faces: usize,
     /// Chord segments.
     pub chords: usize,
+}
+
+/// What crossed in the open valve as given and was drawn apart before it was closed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UntangledReport {
+    /// At how many places surfaces crossed or touched.
+    pub places: usize,
+    /// Where, the first five points at most [mm], LPS.
+    pub first_at_mm: Vec<[f64; 3]>,
+    /// How many points were moved.
+    pub moved_points: usize,
+    /// How far the one was moved that was moved farthest [mm].
+    pub farthest_mm: f64,
 }
 
 /// One closed state.
@@ -164,6 +182,7 @@ impl Report {
                 faces: model.faces.len(),
                 chords: model.chords.ends.len(),
             },
+            untangled: closure.untangled.as_ref().map(untangled_report),
             before: outcome(&closure.before),
             after: closure.after.as_ref().map(outcome),
             repairs: closure.repairs.iter().map(repair_report).collect(),
@@ -212,6 +231,15 @@ fn outcome(closed: &Closed) -> Outcome {
             &equilibrium.state.positions_mm,
             &equilibrium.reactions_n,
         ),
+    }
+}
+
+fn untangled_report(untangled: &Untangled) -> UntangledReport {
+    UntangledReport {
+        places: untangled.places,
+        first_at_mm: untangled.first_at_mm.clone(),
+        moved_points: untangled.moved_points,
+        farthest_mm: untangled.farthest_mm,
     }
 }
 

@@ -35,6 +35,7 @@ pub(super) fn closure_of(ring: &str) -> Closure {
         after: Some(closed(repaired.model)),
         repairs: vec![repaired.report],
         warnings: vec![Fault::warning("scene.toml:3", "leaflets: turned")],
+        untangled: None,
     }
 }
 

@@ -3,10 +3,11 @@
 use std::fmt::Write;
 
 use coapt::relax::Status;
-use coapt::scene::RingFamily;
+use coapt::scene::{Readable, RingFamily};
 
 use super::rows::{Row, groups};
-use super::{RepairReport, Report, Solve};
+use super::{RepairReport, Report, Solve, UntangledReport};
+use crate::escape::escaped;
 
 /// Longest line.
 const WIDTH: usize = 100;
@@ -23,7 +24,9 @@ pub fn text(report: &Report) -> String {
     let _ = writeln!(
         out,
         "{}: mitral valve closed at {:.0} mmHg (coapt {})",
-        report.case, report.pressure_mmhg, report.version
+        escaped(&report.case),
+        Readable(report.pressure_mmhg),
+        report.version
     );
     let mesh = report.mesh;
     let _ = writeln!(
@@ -41,6 +44,9 @@ pub fn text(report: &Report) -> String {
             certificate(&mut out, "before: ", &report.before.solve);
             certificate(&mut out, "after:  ", &after.solve);
         }
+    }
+    if let Some(untangled) = &report.untangled {
+        line(&mut out, "drawn apart", &untangled_line(untangled));
     }
     table(&mut out, report);
     if !report.warnings.is_empty() {
@@ -65,6 +71,16 @@ fn certificate(out: &mut String, name: &str, solve: &Solve) {
         solve.residual, solve.iterations, solve.wall_ms, solve.discretisation_mm, solve.max_penetration_mm
     );
     wrapped(out, &" ".repeat(name.len()), &work);
+}
+
+/// That the valve closed is not quite the one given.
+fn untangled_line(untangled: &UntangledReport) -> String {
+    let [x, y, z] = untangled.first_at_mm.first().copied().unwrap_or_default();
+    format!(
+        "surfaces of the open valve crossed or touched at {} places, the first at ({x:.1}, {y:.1}, {z:.1}) mm; {} points were \
+         moved before it was closed, by {:.2} mm at most",
+        untangled.places, untangled.moved_points, untangled.farthest_mm
+    )
 }
 
 /// Why a result is not certified; none if it is.
@@ -117,7 +133,7 @@ fn table(out: &mut String, report: &Report) {
 
 fn row_line(row: &Row, later: Option<&Row>) -> String {
     let digits = row.digits;
-    let name = format!("  {}", shortened(&row.name, NAME - 2));
+    let name = format!("  {}", shortened(&escaped(&row.name), NAME - 2));
     let mut text = format!(
         "{name:NAME$} {:UNIT$}{:>VALUE$}",
         row.unit,
@@ -141,7 +157,7 @@ pub(crate) fn number(value: f64, digits: usize) -> String {
     if is_zero(value, digits) {
         return format!("{:.digits$}", 0.0);
     }
-    format!("{value:.digits$}")
+    format!("{:.digits$}", Readable(value))
 }
 
 fn is_zero(value: f64, digits: usize) -> bool {
@@ -196,7 +212,7 @@ fn wrapped(out: &mut String, start: &str, text: &str) {
     let indent = start.chars().count();
     let mut column = indent;
     out.push_str(start);
-    for (number, word) in text.split_whitespace().enumerate() {
+    for (number, word) in escaped(text).split_whitespace().enumerate() {
         let length = word.chars().count();
         if number > 0 && column + 1 + length > WIDTH {
             out.push('\n');

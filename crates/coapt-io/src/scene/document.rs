@@ -14,9 +14,13 @@ use super::json_text::blank_entry;
 use super::nearest::nearest;
 use super::wrong_type;
 use crate::encoding;
+use crate::mesh::{looks_binary, mesh_format};
 
 /// Larger texts are refused: a scene with a mesh of half a million faces written into it takes less.
 const SIZE_LIMIT_BYTES: u64 = 64 << 20;
+
+/// What stands where something else was given.
+const EXPECTED: &str = "a scene or a plan is a TOML or JSON file";
 
 /// Faults after which reading stops: enough to see the pattern.
 const FAULT_LIMIT: usize = 20;
@@ -45,10 +49,17 @@ pub fn read_text(path: &Path) -> Result<String, Fault> {
             SIZE_LIMIT_BYTES >> 20
         )));
     }
+    // First: a mesh of binary numbers may begin like anything.
+    if let Some(format) = mesh_format(&bytes) {
+        return Err(fault(format!("is a mesh ({format}); {EXPECTED}")));
+    }
     if let Some(message) = encoding::refusal(&bytes) {
         return Err(fault(message.into()));
     }
     let text = String::from_utf8(bytes).map_err(|error| {
+        if looks_binary(error.as_bytes()) {
+            return fault(format!("is no text; {EXPECTED}"));
+        }
         let line = error.as_bytes()[..error.utf8_error().valid_up_to()]
             .iter()
             .filter(|&&byte| byte == b'\n')
@@ -65,9 +76,12 @@ pub fn read_text(path: &Path) -> Result<String, Fault> {
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
-/// Whether a text is JSON; no TOML document begins with a brace.
+/// Whether a text is JSON; no TOML document begins with a brace, but one may begin with a header, `[load]`.
 pub(super) fn is_json(text: &str) -> bool {
-    text.trim_start().starts_with(['{', '['])
+    let text = text.trim_start();
+    let inside = text.trim_start_matches('[').trim_start();
+    let is_header = inside.starts_with(|letter: char| letter.is_alphabetic() || letter == '_');
+    text.starts_with('{') || (text.starts_with('[') && !is_header)
 }
 
 /// Reads a document. Of TOML, all syntax faults, or all unknown keys and wrong types are told; of JSON, all unknown keys up to
@@ -107,6 +121,13 @@ fn parse_json<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Faul
         let told = error.to_string();
         let (message, unknown) = plain(told.split(" at line ").next().unwrap_or(&told));
         let [line, column] = [error.line(), error.column()].map(|number| number.max(1));
+        // Whatever begins with a brace lands here.
+        let message = match error.is_syntax() && (line, found.len()) == (1, 0) && column <= 2 {
+            true => {
+                format!("{message}; the text is read as JSON since it begins with a bracket, but {EXPECTED}")
+            }
+            false => message,
+        };
         found.push(Fault::error(format!("{file}:{line}:{column}"), message));
         let line_start = text
             .split_inclusive('\n')
@@ -288,6 +309,12 @@ fn take_out_of_value(
         }),
         _ => None,
     }
+}
+
+/// What a reader of TOML or JSON says of a value, in words for those who write no programs: `expected a whole number` for
+/// `expected u32`.
+pub fn in_plain_words(message: &str) -> String {
+    plain(message).0
 }
 
 /// The reader's words in ours, and the key if it is an unknown one.

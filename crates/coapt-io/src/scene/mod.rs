@@ -20,7 +20,7 @@ use std::path::Path;
 
 use coapt::scene::{Fault, Plan, Repair, Scene, Severity, Space};
 
-pub use document::read_text;
+pub use document::{in_plain_words, read_text};
 pub use locate::{locate, located, sentence};
 pub use nearest::nearest;
 pub use write::{stage_scene, write_scene};

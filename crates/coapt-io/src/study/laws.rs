@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::json;
 use super::table::{short, status_name};
 use crate::atomic::write_files;
+use crate::escape::escaped;
 
 /// The layout of `laws.json`.
 pub const LAWS_SCHEMA: &str = "coapt-laws/1";
@@ -148,7 +149,9 @@ pub fn csv(study: &LawStudy) -> String {
 pub fn text(study: &LawStudy) -> String {
     let mut out = format!(
         "{}: one tissue in each law, each the median of {} closures (coapt {})\n",
-        study.case, study.repeats, study.version
+        escaped(&study.case),
+        study.repeats,
+        study.version
     );
     let mesh = match study.reference_faces {
         Some(faces) => format!("to {faces} triangles of the same law"),

@@ -6,6 +6,7 @@ use coapt::measure::VisibleDistance;
 use coapt::relax::Status;
 
 use super::{Factor, Row, Study};
+use crate::escape::escaped;
 
 const COLUMNS: &str = "varied,faces,residual_tolerance,contact_thickness_mm,status,certified,residual,iterations,\
                        crossings,wall_ms,rms_mm,mean_mm,p95_mm,max_mm,own_mesh_rms_mm,on_front,knee";
@@ -53,7 +54,7 @@ pub(super) fn status_name(status: Status) -> &'static str {
 pub fn text(study: &Study) -> String {
     let mut out = format!(
         "{}: error against time of {} closures, each the median of {} (coapt {})\n",
-        study.case,
+        escaped(&study.case),
         study.rows.len(),
         study.repeats,
         study.version

@@ -5,8 +5,9 @@ use super::chordae::{self, Strung};
 use super::elasticity::{Elasticity, Sheet, elasticity};
 use super::faults::Faults;
 use super::surface::{self, Surface};
+use super::untangle::{self, Untangled};
 use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
-use super::{annulus_checks, cleaning, facing, mesh_quality, size, untangle, validate};
+use super::{annulus_checks, cleaning, facing, mesh_quality, size, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
 use crate::mesh::polyline;
@@ -20,6 +21,8 @@ pub struct Built {
     pub model: Model,
     /// Repairs of the input, guesses, doubts.
     pub warnings: Vec<Fault>,
+    /// What crossed in the open valve and was drawn apart; nothing where nothing did.
+    pub untangled: Option<Untangled>,
 }
 
 impl Model {
@@ -59,10 +62,11 @@ impl Model {
         check_ties(&surface, &edges, &found, &strung, &mut faults);
         annulus_checks::check_insertions(&surface, &found, &strung.chords.points, &mut faults);
         faults.stop()?;
+        let mut untangled = None;
         if scene.contact.is_on() {
             // Chordae are tied to the leaflets by now: they were drawn where these stood.
             let thickness_mm = scene.contact.thickness_mm;
-            untangle::untangle(
+            untangled = untangle::untangle(
                 &mut surface,
                 &edges,
                 &found.annulus.vertices,
@@ -77,6 +81,7 @@ impl Model {
         Ok(Built {
             model,
             warnings: faults.into_warnings(),
+            untangled,
         })
     }
 }
@@ -259,7 +264,7 @@ mod tests {
 
     #[test]
     fn a_good_valve_builds_without_a_word() {
-        let Built { model, warnings } = built(&skirt());
+        let Built { model, warnings, .. } = built(&skirt());
         // Its rectangles, each cut in two, are no mesh for springs.
         let is_other = |fault: &Fault| !fault.message.contains("too irregular for springs");
         assert!(!warnings.iter().any(is_other), "{warnings:#?}");

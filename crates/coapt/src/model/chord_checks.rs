@@ -4,6 +4,59 @@ use super::attachment::{Anchor, Attached, Segment};
 use super::faults::Faults;
 use crate::Vec3;
 use crate::mesh::topology::DisjointSets;
+use crate::scene::Readable;
+
+/// Rest lengths outside these multiples of the open end distance are doubted (hard limits of plausible slack and
+/// pre-stretch; our choice). Chordae of an open valve hang slack: in the preset of Barlow up to 2.01 times.
+const DOUBTFUL_SLACK: f64 = 2.5;
+const DOUBTFUL_STRETCH: f64 = 0.5;
+/// Below this multiple they are refused. Our choice: drawn twenty times as long no tissue holds, and a valve on such chordae
+/// still comes to rest; on ones drawn a thousand times as long it runs into the limit of iterations, minutes later. There is no
+/// upper limit: a chord that is far too long is slack, pulls at nothing and costs nothing.
+const LEAST_REST: f64 = 0.05;
+
+/// How long a segment is at rest, and how far apart its ends are drawn.
+#[derive(Clone, Debug)]
+pub(crate) struct Length {
+    pub(crate) segment: String,
+    pub(crate) rest_mm: f64,
+    pub(crate) drawn_mm: f64,
+}
+
+/// Refuses rest lengths that no chord has, doubts those that are odd. A factor makes all of a group too short at once: the
+/// refused ones are told together.
+pub(crate) fn judge_lengths(lengths: &[Length], faults: &mut Faults) {
+    let words = |length: &Length| {
+        format!(
+            "its rest length is {:.3} mm, its ends lie {:.3} mm apart",
+            Readable(length.rest_mm),
+            Readable(length.drawn_mm)
+        )
+    };
+    let is_refused = |length: &&Length| {
+        let Length {
+            rest_mm, drawn_mm, ..
+        } = **length;
+        !(rest_mm.is_finite() && rest_mm > 0.0 && rest_mm >= LEAST_REST * drawn_mm)
+    };
+    let refused = lengths.iter().filter(is_refused);
+    if let Some(first) = refused.clone().next() {
+        let message = format!(
+            "{}; expected at least {LEAST_REST} of that ({} such)",
+            words(first),
+            refused.count()
+        );
+        faults.error(&first.segment, message);
+    }
+    for length in lengths.iter().filter(|length| !is_refused(length)) {
+        let Length {
+            rest_mm, drawn_mm, ..
+        } = *length;
+        if rest_mm > DOUBTFUL_SLACK * drawn_mm || rest_mm < DOUBTFUL_STRETCH * drawn_mm {
+            faults.warning(&length.segment, words(length) + "; expected about the same");
+        }
+    }
+}
 
 /// A segment between two tips, or on one point, cannot do anything.
 pub(crate) fn refuse_short_circuits(attached: &Attached, faults: &mut Faults) {

@@ -3,18 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::attachment::{self, Anchor, Attached, Segment};
-use super::chord_checks::{check_components, refuse_short_circuits};
+use super::chord_checks::{Length, check_components, judge_lengths, refuse_short_circuits};
 use super::faults::Faults;
 use super::strands::{self, Rod};
 use super::surface::Surface;
 use crate::Vec3;
 use crate::energy::chord::Chords;
 use crate::scene::{ChordGroup, Scene};
-
-/// Rest lengths outside these multiples of the open end distance are doubted (hard limits of plausible slack and
-/// pre-stretch; our choice). Chordae of an open valve hang slack: in the preset of Barlow up to 2.01 times.
-const DOUBTFUL_SLACK: f64 = 2.5;
-const DOUBTFUL_STRETCH: f64 = 0.5;
 
 /// Chords over the vertices leaflets, `nodes`, tips, in this order.
 #[derive(Clone, Debug, Default)]
@@ -122,12 +117,15 @@ fn number(
     tips: &[Vec3],
     faults: &mut Faults,
 ) -> Strung {
-    let segments = attached.segments.iter();
-    let rods = strands::join(
-        segments
-            .map(|segment| rod(scene, attached, segment, leaflet, tips, faults))
-            .collect(),
-    );
+    let lengths: Vec<Length> = attached
+        .segments
+        .iter()
+        .map(|segment| length(scene, attached, segment, tips))
+        .collect();
+    judge_lengths(&lengths, faults);
+    let segments = attached.segments.iter().zip(&lengths);
+    let rods = segments.map(|(segment, length)| rod(scene, attached, segment, length, leaflet, tips));
+    let rods = strands::join(rods.collect());
     let anchors: BTreeSet<Anchor> = rods.iter().flat_map(|rod| rod.ends).collect();
     let node = |anchor: &Anchor| match *anchor {
         Anchor::Node(node) => Some(attached.nodes[node as usize]),
@@ -165,17 +163,18 @@ fn rod(
     scene: &Scene,
     attached: &Attached,
     segment: &Segment,
+    length: &Length,
     leaflet: &[Vec3],
     tips: &[Vec3],
-    faults: &mut Faults,
 ) -> Rod {
-    let drawn = distance(segment.ends.map(|end| place(attached, tips, end)));
     let pulling = distance(segment.ends.map(|end| pull_mm(attached, leaflet, tips, end)));
-    let length = rest_length(scene, segment, drawn, faults);
+    let Length {
+        rest_mm, drawn_mm, ..
+    } = *length;
     Rod {
         ends: segment.ends,
         group: segment.group,
-        rest_length_mm: (length + (pulling - drawn)).max(0.1 * length),
+        rest_length_mm: (rest_mm + (pulling - drawn_mm)).max(0.1 * rest_mm),
         area_mm2: area_mm2(scene, segment),
     }
 }
@@ -208,20 +207,16 @@ fn distance([a, b]: [Vec3; 2]) -> f64 {
 }
 
 /// Given, else the distance between the welded ends; times the group's factor.
-fn rest_length(scene: &Scene, segment: &Segment, distance: f64, faults: &mut Faults) -> f64 {
+fn length(scene: &Scene, attached: &Attached, segment: &Segment, tips: &[Vec3]) -> Length {
     let group = &scene.chordae[segment.group as usize];
     let given = group.mesh.as_ref().and_then(|mesh| mesh.rest_length_mm.as_ref());
-    let length = given.map_or(distance, |lengths| lengths[segment.number as usize]) * group.rest_length_scale;
-    let length_text = format!("its rest length is {length:.3} mm, its ends lie {distance:.3} mm apart");
-    if !(length.is_finite() && length > 0.0) {
-        faults.error(
-            segment.name(),
-            format!("{length_text}; expected a length above 0"),
-        );
-    } else if length > DOUBTFUL_SLACK * distance || length < DOUBTFUL_STRETCH * distance {
-        faults.warning(segment.name(), format!("{length_text}; expected about the same"));
+    let drawn_mm = distance(segment.ends.map(|end| place(attached, tips, end)));
+    let unscaled_mm = given.map_or(drawn_mm, |lengths| lengths[segment.number as usize]);
+    Length {
+        segment: segment.name(),
+        rest_mm: unscaled_mm * group.rest_length_scale,
+        drawn_mm,
     }
-    length
 }
 
 /// Given, else that of a round rod.
@@ -329,7 +324,7 @@ mod tests {
         mesh.segments
             .extend((first..first + count - 1).map(|point| [point, point + 1]));
         let start = std::time::Instant::now();
-        let Built { model, warnings } = built(&scene);
+        let Built { model, warnings, .. } = built(&scene);
         assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
         assert_eq!(model.chords.ends.len(), 6);
         assert!(told(

@@ -3,7 +3,9 @@
 use std::ops::RangeInclusive;
 
 use super::faults::Faults;
-use crate::scene::{ChordGroup, ChordLaw, Fault, LARGEST, Leaflet, MMHG_MPA, Scene, SpringBranches, Tissue};
+use crate::scene::{
+    ChordGroup, ChordLaw, Fault, LARGEST, Leaflet, MMHG_MPA, Readable, Scene, SpringBranches, Tissue,
+};
 
 /// Modulus of tissue at rest [MPa]. Measured mitral leaflets have 0.06 to 0.09 (Krishnamurthy 2009), membranes of paper 002
 /// 0.1 to 0.4, valves in general a hundredth of that: two decades about them (our choice). Ten and more are kilopascals.
@@ -54,7 +56,8 @@ fn doubt(value: f64, usual: &RangeInclusive<f64>, place: &str, unit: &str, fault
     let possible = value > 0.0 && value <= LARGEST;
     if possible && !usual.contains(&value) {
         let message = format!(
-            "is {value} {unit}, expected {} to {} {unit}; check the unit",
+            "is {} {unit}, expected {} to {} {unit}; check the unit",
+            Readable(value),
             usual.start(),
             usual.end()
         );
@@ -175,8 +178,11 @@ fn pressure(scene: &Scene, faults: &mut Faults) {
     };
     let mmhg = pressure_mpa / MMHG_MPA;
     let (place, given) = match scene.load.pressure_kpa {
-        Some(kpa) => ("load.pressure_kpa", format!("{kpa} kPa = {mmhg:.0} mmHg")),
-        None => ("load.pressure_mmhg", format!("{mmhg:.0} mmHg")),
+        Some(kpa) => (
+            "load.pressure_kpa",
+            format!("{} kPa = {:.0} mmHg", Readable(kpa), Readable(mmhg)),
+        ),
+        None => ("load.pressure_mmhg", format!("{:.0} mmHg", Readable(mmhg))),
     };
     if mmhg > DOUBTFUL_PRESSURE_MMHG {
         let message = format!("is {given}, expected below {DOUBTFUL_PRESSURE_MMHG} mmHg; check the unit");

@@ -18,6 +18,7 @@ mod hinges;
 mod insertion;
 mod membranes;
 pub mod mesh_quality;
+mod names;
 mod near_points;
 pub mod size;
 mod springs;
@@ -30,6 +31,7 @@ mod validate_tissue;
 
 pub use build::Built;
 pub use doubts::doubts;
+pub use untangle::Untangled;
 pub(crate) use validate_tissue::tissue_faults;
 
 use crate::Vec3;

@@ -6,7 +6,9 @@
 //! to where it was given, and contact stops what would cross. What was left of the way is told; where that is more than an
 //! error of drawing, or where opening does not help, the valve is refused.
 
-use super::faults::{Faults, some};
+use std::collections::BTreeSet;
+
+use super::faults::Faults;
 use super::surface::Surface;
 use crate::Vec3;
 use crate::contact::gather::PairList;
@@ -36,28 +38,47 @@ const STANDSTILL: f64 = 0.01;
 /// Rounds in which directions are averaged with the neighbours': enough to smooth over a few edges.
 const SMOOTHING_ROUNDS: u32 = 10;
 
-/// Draws apart what crosses or touches, or tells why not.
+/// How many places where surfaces crossed are given by coordinates: enough to find them in a picture.
+const PLACES_GIVEN: usize = 5;
+
+/// What was drawn apart: the valve that is closed is not quite the one that was given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Untangled {
+    /// At how many places surfaces crossed or touched.
+    pub places: usize,
+    /// Where, as given, the first five points at most [mm], LPS, shape `[place, 3]`.
+    pub first_at_mm: Vec<[f64; 3]>,
+    /// How many points were moved.
+    pub moved_points: usize,
+    /// How far the one was moved that was moved farthest [mm].
+    pub farthest_mm: f64,
+}
+
+/// Draws apart what crosses or touches and says what it did, or tells why not; nothing where nothing crosses.
 pub(crate) fn untangle(
     surface: &mut Surface,
     edges: &Edges,
     annulus: &[u32],
     thickness_mm: f64,
     faults: &mut Faults,
-) {
+) -> Option<Untangled> {
     let parts = contact::Surface::new(&surface.faces, &surface.points);
     let tangles = tangle::tangles(&parts, &surface.points);
-    let Some(first) = tangles.first() else {
-        return;
-    };
+    let first = tangles.first()?;
     let place = surface.point_name(first.vertex);
     let named = |tangle: &Tangle| {
         let face = surface.face_name(tangle.face as usize);
-        format!("{} at {face}", surface.point_name(tangle.vertex))
+        let [x, y, z] = surface.points[tangle.vertex as usize].into();
+        let point = surface.point_name(tangle.vertex);
+        format!("{point} at {face} ({x:.1}, {y:.1}, {z:.1}) mm")
     };
+    let firsts = firsts(&tangles);
+    let named: Vec<String> = firsts.iter().map(|tangle| named(tangle)).collect();
     let what = format!(
-        "surfaces cross or touch in the open valve at {} places: {}",
+        "surfaces cross or touch in the open valve at {} places: {}{}",
         tangles.len(),
-        some(tangles.iter().map(named))
+        named.join(", "),
+        if tangles.len() > named.len() { ", ..." } else { "" }
     );
     let opening = opening(surface, edges, annulus);
     let opened = OPENINGS
@@ -67,7 +88,8 @@ pub(crate) fn untangle(
         let message = format!(
             "{what}; they still do when the valve is opened wider, so there is no telling which side is which"
         );
-        return faults.error(place, message);
+        faults.error(place, message);
+        return None;
     };
     let apart = let_back(&opened, surface, thickness_mm);
     let moves = apart
@@ -84,13 +106,29 @@ pub(crate) fn untangle(
         let message = format!(
             "{what}; to part them a point would have to move by {farthest_mm:.1} mm, expected at most {FARTHEST_MM} mm"
         );
-        return faults.error(place, message);
+        faults.error(place, message);
+        return None;
     }
+    let at = |tangle: &&Tangle| surface.points[tangle.vertex as usize].into();
+    let first_at_mm = firsts.iter().map(at).collect();
     surface.points = apart;
     faults.warning_above_others(
         place,
         format!("{what}; they are drawn apart: {count} points are moved, by {farthest_mm:.2} mm at most"),
     );
+    Some(Untangled {
+        places: tangles.len(),
+        first_at_mm,
+        moved_points: count,
+        farthest_mm,
+    })
+}
+
+/// The first places at different points: a point that lies on a surface touches several faces.
+fn firsts(tangles: &[Tangle]) -> Vec<&Tangle> {
+    let mut seen = BTreeSet::new();
+    let new = tangles.iter().filter(|tangle| seen.insert(tangle.vertex));
+    new.take(PLACES_GIVEN).collect()
 }
 
 /// How points go when the valve is opened wider [mm]: towards the ventricular side of the leaflet around them, as far as
@@ -174,6 +212,7 @@ fn let_back(opened: &[Vec3], surface: &Surface, thickness_mm: f64) -> Vec<Vec3> 
 #[cfg(test)]
 mod tests {
     use super::super::fixtures::{ROWS, built, faults, mesh, skirt, told};
+    use super::FARTHEST_MM;
     use crate::contact::surface::Surface;
     use crate::contact::tangle::tangles;
     use crate::scene::{Fault, Scene};
@@ -207,19 +246,41 @@ mod tests {
         for part in [1.0, 1.05] {
             let done = built(&swung(part));
             assert!(told(&done.warnings, "leaflets[", "are drawn apart"));
+            let untangled = done.untangled.unwrap();
+            assert!(untangled.places >= untangled.first_at_mm.len() && !untangled.first_at_mm.is_empty());
+            // In the plane between the leaflets, where the swing has brought both margins, each place once.
+            assert!(
+                untangled.first_at_mm.iter().any(|at| at[1].abs() < 1.0),
+                "{untangled:?}"
+            );
+            let mut places = untangled.first_at_mm.clone();
+            places.dedup();
+            assert_eq!(places, untangled.first_at_mm);
+            assert!(untangled.moved_points > 0 && (0.01..FARTHEST_MM).contains(&untangled.farthest_mm));
+            let [x, y, z] = untangled.first_at_mm[0];
+            assert!(told(
+                &done.warnings,
+                "leaflets[",
+                &format!("({x:.1}, {y:.1}, {z:.1})")
+            ));
             let model = done.model;
             assert!(tangles(&Surface::new(&model.faces, &model.rest_mm), &model.rest_mm).is_empty());
         }
-        assert!(!is_told(&built(&swung(0.5)).warnings));
+        let open = built(&swung(0.5));
+        assert!(!is_told(&open.warnings) && open.untangled.is_none());
     }
 
     #[test]
     fn leaflets_that_have_changed_places_are_refused() {
+        let faults = faults(&swung(3.0));
         assert!(told(
-            &faults(&swung(3.0)),
+            &faults,
             "leaflets[",
             "surfaces cross or touch in the open valve"
         ));
+        // Where to look, by coordinates: as many as places are named.
+        let places = faults[0].message.matches(" (").count();
+        assert!((1..=5).contains(&places), "{faults:#?}");
     }
 
     #[test]

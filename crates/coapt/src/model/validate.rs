@@ -2,8 +2,8 @@
 
 use super::faults::Faults;
 use super::validate_numbers::{lines, not_negative, points, positive, same_count, surface};
-use super::{doubts, validate_tissue};
-use crate::scene::{Annulus, ChordGroup, Leaflet, PapillaryMuscle, SCHEMA_VERSION, Scene};
+use super::{doubts, names, validate_tissue};
+use crate::scene::{Annulus, ChordGroup, Leaflet, PapillaryMuscle, Readable, SCHEMA_VERSION, Scene};
 
 pub(crate) fn scene(scene: &Scene, faults: &mut Faults) {
     if scene.schema_version != SCHEMA_VERSION {
@@ -19,6 +19,7 @@ pub(crate) fn scene(scene: &Scene, faults: &mut Faults) {
     for (i, entry) in scene.leaflets.iter().enumerate() {
         leaflet(entry, &format!("leaflets[{i}]"), faults);
     }
+    names::tell_shared(scene, faults);
     annulus(&scene.annulus, faults);
     for (i, muscle) in scene.papillary.iter().enumerate() {
         papillary(muscle, &format!("papillary[{i}]"), faults);
@@ -166,12 +167,12 @@ fn settings(scene: &Scene, faults: &mut Faults) {
     );
     let tolerance = scene.settings.residual_tolerance;
     if !(tolerance > 0.0 && tolerance < 1.0) {
-        let message = format!("is {tolerance}, expected above 0 and below 1");
+        let message = format!("is {}, expected above 0 and below 1", Readable(tolerance));
         faults.error("settings.residual_tolerance", message);
     }
     let step_scale = scene.settings.step_scale;
     if !(step_scale.is_finite() && (0.01..=100.0).contains(&step_scale)) {
-        let message = format!("is {step_scale}, expected 0.01 to 100");
+        let message = format!("is {}, expected 0.01 to 100", Readable(step_scale));
         faults.error("settings.step_scale", message);
     }
     if scene.settings.iteration_limit == 0 {
@@ -313,8 +314,9 @@ mod tests {
         assert_eq!(faults(&scene).len(), 2);
         lines(&mut scene).rest_length_mm = Some(vec![0.0; 6]);
         lines(&mut scene).area_mm2 = Some(vec![0.0; 6]);
-        for _ in 0..10 {
+        for number in 0..10 {
             scene.papillary.push(scene.papillary[0].clone());
+            scene.papillary[2 + number].name = number.to_string();
         }
         scene
             .papillary

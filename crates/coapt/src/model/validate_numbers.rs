@@ -1,7 +1,7 @@
 //! Numbers and arrays of them: finite, in range, of the right count.
 
 use super::faults::Faults;
-use crate::scene::{LARGEST, LineMesh, SurfaceMesh};
+use crate::scene::{LARGEST, LineMesh, Readable, SurfaceMesh};
 
 /// What is nearer to nothing is nothing.
 const LEAST: f64 = 1e-9;
@@ -9,7 +9,7 @@ const LEAST: f64 = 1e-9;
 /// The range, for a number whose fault is to lie beyond its far ends.
 fn range_beyond(value: f64, least: f64) -> Option<String> {
     let beyond = value.is_finite() && (value > LARGEST || (0.0 < value && value < least));
-    beyond.then(|| format!("{least} to {LARGEST}"))
+    beyond.then(|| format!("{} to {}", Readable(least), Readable(LARGEST)))
 }
 
 /// A number above zero, not so small or large that arithmetic overflows.
@@ -18,7 +18,7 @@ pub(crate) fn positive(value: f64, place: &str, unit: &str, faults: &mut Faults)
         let range = range_beyond(value, LEAST).unwrap_or_else(|| "a finite number above 0".into());
         faults.error(
             place,
-            format!("is {value} {unit}, expected {range}").replace(" ,", ","),
+            format!("is {} {unit}, expected {range}", Readable(value)).replace(" ,", ","),
         );
     }
 }
@@ -28,7 +28,7 @@ pub(crate) fn not_negative(value: f64, place: &str, unit: &str, faults: &mut Fau
         let range = range_beyond(value, 0.0).unwrap_or_else(|| "a finite number, 0 or above".into());
         faults.error(
             place,
-            format!("is {value} {unit}, expected {range}").replace(" ,", ","),
+            format!("is {} {unit}, expected {range}", Readable(value)).replace(" ,", ","),
         );
     }
 }
@@ -38,8 +38,10 @@ pub(crate) fn points(points: &[[f64; 3]], place: &str, element: &str, faults: &m
     let bad = |p: &[f64; 3]| p.iter().any(|c| !c.is_finite() || c.abs() > LARGEST);
     let count = points.iter().filter(|p| bad(p)).count();
     if let Some(first) = points.iter().position(bad) {
-        let [x, y, z] = points[first];
-        let message = format!("is ({x}, {y}, {z}), expected finite millimetres ({count} such)");
+        let [x, y, z] = points[first].map(Readable);
+        let largest = Readable(LARGEST);
+        let message =
+            format!("is ({x}, {y}, {z}), expected numbers from -{largest} to {largest} mm ({count} such)");
         faults.error(format!("{place} {element} {first}"), message);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::faults::Faults;
 use super::validate_numbers::{not_negative, positive, same_count};
-use crate::scene::{ChordLaw, Fault, SpringBranches, Tissue};
+use crate::scene::{ChordLaw, Fault, Readable, SpringBranches, Tissue};
 
 /// Exponents beyond this make a wall of a law, and double precision loses its foot [1].
 const LARGEST_EXPONENT: f64 = 1e5;
@@ -63,8 +63,10 @@ pub(crate) fn tissue(tissue: &Tissue, place: &str, faults: &mut Faults) {
             positive(modulus_mpa, &at("modulus_mpa"), "MPa", faults);
             // In the plane the law would bear 1; no material that is the same in all directions has more than a half.
             if !(poisson_ratio > -1.0 && poisson_ratio <= 0.5) {
-                let message =
-                    format!("is {poisson_ratio}, expected above -1 and at most 0.5, which is incompressible");
+                let message = format!(
+                    "is {}, expected above -1 and at most 0.5, which is incompressible",
+                    Readable(poisson_ratio)
+                );
                 faults.error(at("poisson_ratio"), message);
             }
             not_negative(bending_modulus_mpa, &at("bending_modulus_mpa"), "MPa", faults);
@@ -105,7 +107,10 @@ pub(crate) fn tissue(tissue: &Tissue, place: &str, faults: &mut Faults) {
 
 fn exponent(value: f64, place: &str, faults: &mut Faults) {
     if !(0.0..=LARGEST_EXPONENT).contains(&value) {
-        faults.error(place, format!("is {value}, expected 0 to {LARGEST_EXPONENT}"));
+        faults.error(
+            place,
+            format!("is {}, expected 0 to {LARGEST_EXPONENT}", Readable(value)),
+        );
     }
 }
 
@@ -134,8 +139,11 @@ fn branches(springs: &SpringBranches, place: &str, faults: &mut Faults) {
         faults,
     );
     if stiff < soft {
-        let message =
-            format!("is {stiff} MPa, below the pre-transition modulus {soft} MPa; collagen stiffens tissue");
+        let message = format!(
+            "is {} MPa, below the pre-transition modulus {} MPa; collagen stiffens tissue",
+            Readable(stiff),
+            Readable(soft)
+        );
         faults.error(format!("{place}.post_transition_modulus_mpa"), message);
     }
 }
@@ -201,7 +209,10 @@ fn table(strain: &[f64], stress_mpa: &[f64], place: &str, faults: &mut Faults) {
         } else if values.first() != Some(&0.0) {
             faults.error(
                 format!("{} point 0", at(key)),
-                format!("is {}, expected 0", values.first().unwrap_or(&f64::NAN)),
+                format!(
+                    "is {}, expected 0",
+                    Readable(*values.first().unwrap_or(&f64::NAN))
+                ),
             );
         } else if let Some(point) = values
             .windows(2)
@@ -209,8 +220,8 @@ fn table(strain: &[f64], stress_mpa: &[f64], place: &str, faults: &mut Faults) {
         {
             let message = format!(
                 "is {} after {}, expected values {what} from 0",
-                values[point + 1],
-                values[point]
+                Readable(values[point + 1]),
+                Readable(values[point])
             );
             faults.error(format!("{} point {}", at(key), point + 1), message);
         }
@@ -301,11 +312,7 @@ mod tests {
             (exponential(1.0, 4.0, 0.0, f64::NAN), "bending_modulus_mpa", "NaN"),
             (may_newman(0.0, 4.0, 100.0), "c0_mpa", "is 0 MPa"),
             (may_newman(1e-3, 0.0, 100.0), "c1", "is 0,"),
-            (
-                may_newman(1e-3, 4.0, 1e9),
-                "c2",
-                "is 1000000000, expected 0 to 100000",
-            ),
+            (may_newman(1e-3, 4.0, 1e9), "c2", "is 1e9, expected 0 to 100000"),
         ];
         for (tissue, key, words) in wrongs {
             let mut scene = skirt();

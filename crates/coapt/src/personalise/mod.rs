@@ -39,7 +39,7 @@ use crate::Vec3;
 use crate::model::Model;
 use crate::relax::{Equilibrium, Moment};
 use crate::repair::{self, Repaired};
-use crate::scene::{Attachment, Fault, Repair, Ring};
+use crate::scene::{Attachment, Fault, Readable, Repair, Ring};
 
 pub use misfit::TargetDistance;
 
@@ -220,13 +220,19 @@ fn faults(model: &Model, target: &Target, settings: &FitSettings) -> Vec<Fault> 
         let message = format!(
             "is ({}, {}, {}) mm, more than {FARTHEST_MM} mm from the supports of the valve; expected a target in mm and in the \
              frame of the scene",
-            p.x, p.y, p.z
+            Readable(p.x),
+            Readable(p.y),
+            Readable(p.z)
         );
         faults.push(Fault::error(format!("target point {number}"), message));
     }
     let [least, most] = settings.scale_range;
     if !(least >= 0.1 && least < most && most <= 10.0) {
-        let message = format!("is {least} to {most}, expected an ascending range within 0.1 to 10");
+        let message = format!(
+            "is {} to {}, expected an ascending range within 0.1 to 10",
+            Readable(least),
+            Readable(most)
+        );
         faults.push(Fault::error("scale range", message));
     }
     faults

@@ -4,10 +4,13 @@ use crate::Vec3;
 use crate::mesh::polyline;
 use crate::model::Model;
 use crate::repair::ring_shape::{self, RingCurve, normal_of};
-use crate::scene::{Fault, Ring, RingFamily};
+use crate::scene::{Fault, Readable, Ring, RingFamily};
 
 /// Measured curves: enough points for a shape, few enough to test each pair of segments for crossing.
 const CURVE_POINTS: std::ops::RangeInclusive<usize> = 8..=5000;
+
+/// Points farther from the origin of the frame are no anatomy [mm]; the bound keeps arithmetic finite (our choice).
+const FARTHEST_MM: f64 = 1e6;
 
 /// Every way in which the ring may lie, in its own frame.
 pub(crate) fn candidates(model: &Model, ring: &Ring) -> Result<Vec<RingCurve>, Vec<Fault>> {
@@ -53,7 +56,7 @@ fn family_candidate(ring: &Ring, family: RingFamily, faults: &mut Vec<Fault>) ->
         }
         Some(size) => faults.push(Fault::error(
             "ring.size_mm",
-            format!("{size} mm {}", ring_shape::size_range()),
+            format!("{} mm {}", Readable(size), ring_shape::size_range()),
         )),
         None => faults.push(Fault::error("ring.size_mm", "is absent, and a family needs it")),
     }
@@ -72,12 +75,12 @@ fn measured_candidates(ring: &Ring, points: &[[f64; 3]], faults: &mut Vec<Fault>
     }
     if let Some(bad) = points
         .iter()
-        .position(|p| p.iter().any(|c| !c.is_finite() || c.abs() > 1e6))
+        .position(|p| p.iter().any(|c| !c.is_finite() || c.abs() > FARTHEST_MM))
     {
-        let [x, y, z] = points[bad];
+        let [x, y, z] = points[bad].map(Readable);
         faults.push(Fault::error(
             format!("{place} point {bad}"),
-            format!("is ({x}, {y}, {z}), expected finite millimetres"),
+            format!("is ({x}, {y}, {z}), expected numbers from -{FARTHEST_MM} to {FARTHEST_MM} mm"),
         ));
         return Vec::new();
     }
@@ -183,7 +186,7 @@ mod tests {
         refused(&curve(&crossed), "crosses itself");
         let mut bad = round;
         bad[7].x = f64::NAN;
-        refused(&curve(&bad), "expected finite millimetres");
+        refused(&curve(&bad), "expected numbers from -1000000 to 1000000 mm");
     }
 
     #[test]

@@ -4,12 +4,14 @@
 //! in the `mesh` fields. [`crate::model::Model::build`] then checks all of it and reports every fault it finds.
 
 mod chordae;
+mod readable;
 mod tissue;
 
 use serde::{Deserialize, Serialize};
 
 pub(crate) use chordae::default_insertion_radius_mm;
 pub use chordae::{ChordGroup, ChordLaw, LineMesh};
+pub use readable::Readable;
 pub use tissue::{
     SpringBranches, Tissue, Wrinkling, default_bending_modulus_mpa, default_compression_modulus_ratio,
     default_poisson_ratio,

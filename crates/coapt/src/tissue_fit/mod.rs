@@ -17,7 +17,7 @@ pub mod membranes;
 use serde::Serialize;
 
 use crate::model::tissue_faults;
-use crate::scene::{Fault, SpringBranches, Tissue, default_bending_modulus_mpa};
+use crate::scene::{Fault, Readable, SpringBranches, Tissue, default_bending_modulus_mpa};
 use lattice::nominal_stress_mpa;
 use least_squares::{descend, two_moduli_that_stiffen};
 
@@ -163,7 +163,11 @@ fn in_range(points: &[BiaxialPoint], range_mpa: [f64; 2]) -> Result<Vec<BiaxialP
     let [least, most] = range_mpa;
     // A comparison alone lets NaN pass.
     if !(least >= 0.0 && least < most && most.is_finite()) {
-        let message = format!("is {least} to {most} MPa, expected an ascending range from 0 MPa or more");
+        let message = format!(
+            "is {} to {} MPa, expected an ascending range from 0 MPa or more",
+            Readable(least),
+            Readable(most)
+        );
         faults.push(Fault::error("working range", message));
     }
     for (number, point) in points.iter().enumerate() {
@@ -185,8 +189,10 @@ fn in_range(points: &[BiaxialPoint], range_mpa: [f64; 2]) -> Result<Vec<BiaxialP
     let longest = kept.iter().flat_map(|point| point.stretch).fold(0.0, f64::max);
     if faults.is_empty() && (kept.len() < FEWEST_POINTS || longest <= 1.0) {
         let message = format!(
-            "{least} to {most} MPa holds {} points of the curve, stretched to {longest}; expected {FEWEST_POINTS} at least, \
+            "{} to {} MPa holds {} points of the curve, stretched to {longest}; expected {FEWEST_POINTS} at least, \
              stretched beyond 1",
+            Readable(least),
+            Readable(most),
             kept.len()
         );
         faults.push(Fault::error("working range", message));

@@ -5,7 +5,7 @@ use crate::Vec3;
 use crate::measure::FARTHEST_MM;
 use crate::measure::distance::triangle_area;
 use crate::measure::indexed_surface::IndexedSurface;
-use crate::scene::Fault;
+use crate::scene::{Fault, Readable};
 
 /// All that stands against a comparison.
 pub(super) fn check(
@@ -16,12 +16,12 @@ pub(super) fn check(
     let mut faults: Vec<Fault> = [result, reference].into_iter().filter_map(fault_of).collect();
     let thickness_mm = settings.contact_thickness_mm;
     if !(thickness_mm.is_finite() && thickness_mm > 0.0) {
-        let message = format!("is {thickness_mm} mm, expected more than 0");
+        let message = format!("is {} mm, expected more than 0", Readable(thickness_mm));
         faults.push(Fault::error("contact_thickness_mm", message));
     }
     let has_length = |d: &Vec3| d.iter().all(|x| x.is_finite()) && d.try_normalize(0.0).is_some();
     if let Some(direction) = settings.atrial_direction.filter(|d| !has_length(d)) {
-        let [x, y, z] = direction.into();
+        let [x, y, z] = <[f64; 3]>::from(direction).map(Readable);
         let message = format!("is ({x}, {y}, {z}), expected a vector that is finite and not zero");
         faults.push(Fault::error("atrial_direction", message));
     }
@@ -47,7 +47,7 @@ fn fault_of(surface: &ComparedSurface) -> Option<Fault> {
     }
     let measurable = |p: &Vec3| p.iter().all(|x| x.is_finite() && x.abs() <= FARTHEST_MM);
     if let Some(point) = surface.points_mm.iter().position(|p| !measurable(p)) {
-        let [x, y, z] = surface.points_mm[point].into();
+        let [x, y, z] = <[f64; 3]>::from(surface.points_mm[point]).map(Readable);
         return error(format!(
             "point {point} is ({x}, {y}, {z}) mm, expected finite numbers within a kilometre"
         ));

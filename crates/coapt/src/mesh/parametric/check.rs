@@ -2,7 +2,7 @@
 
 use super::parameters::{AnnulusDimensions, ValveParameters};
 use super::surface::Surface;
-use crate::scene::{Fault, LARGEST, Tissue};
+use crate::scene::{Fault, LARGEST, Readable, Tissue};
 
 /// A number by its key, with the smallest and the largest value that is accepted.
 type Bound = (String, f64, f64, f64);
@@ -24,7 +24,10 @@ pub(super) fn faults(parameters: &ValveParameters) -> Vec<Fault> {
         .map(|(key, value, low, high)| {
             Fault::error(
                 &key,
-                format!("{key} is {value}; expected a number from {low} to {high}"),
+                format!(
+                    "{key} is {}; expected a number from {low} to {high}",
+                    Readable(value)
+                ),
             )
         })
         .collect();
@@ -41,7 +44,7 @@ pub(super) fn faults(parameters: &ValveParameters) -> Vec<Fault> {
                 format!("{key}.trigone_half_angle_deg"),
                 format!(
                     "{key}.trigone_half_angle_deg is {}; expected less than commissure_half_angle_deg, which is {}",
-                    annulus.trigone_half_angle_deg, annulus.commissure_half_angle_deg
+                    Readable(annulus.trigone_half_angle_deg), Readable(annulus.commissure_half_angle_deg)
                 ),
             ));
         }
