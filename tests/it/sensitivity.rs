@@ -101,7 +101,6 @@ fn rates_are_those_of_finite_differences() {
             off = off.max((found - rates.shape_rate_mm[vertex]).norm());
             largest = largest.max(found.norm());
         }
-        println!("{name} of {preset:?}: shape {off:.1e} of {largest:.1e} mm");
         assert!(off <= 0.01 * largest, "{name} of {preset:?}: {off} of {largest}");
         let measured = ends
             .each_ref()
@@ -109,7 +108,6 @@ fn rates_are_those_of_finite_differences() {
         for (what, value) in MEASURES {
             let found = (value(&measured[1]) - value(&measured[0])) / width;
             let rate = rates.rate(value);
-            println!("    {what}: {rate:.6}, {found:.6} by differences");
             assert!(
                 (rate - found).abs() <= 0.01 * found.abs(),
                 "{name} of {preset:?}: {what} {rate} {found}"
@@ -143,7 +141,6 @@ fn rates_need_a_balance_and_the_same_vertices() {
 #[test]
 fn the_largest_ring_that_reaches_a_goal_is_found() {
     let base = preset_model(Preset::Dilated, 650, 0.0, 0);
-    let begun = std::time::Instant::now();
     let goal = Goal {
         gentlest: 38.0,
         most_drastic: 26.0,
@@ -152,7 +149,6 @@ fn the_largest_ring_that_reaches_a_goal_is_found() {
         at_least: 6.0,
     };
     let found = search(&goal, |size_mm| Ok(ringed(&base, size_mm))).unwrap();
-    println!("{:?}: {found:#?}", begun.elapsed());
     let answer = found.answer.unwrap();
     let at = |size_mm: f64| {
         let model = ringed(&base, size_mm);

@@ -6,6 +6,8 @@
 pub mod annulus;
 pub mod coaptation;
 pub mod compare;
+pub mod diastole;
+pub mod flow;
 pub mod forces;
 pub mod gap;
 pub mod leaflet;
@@ -35,6 +37,7 @@ use crate::model::Model;
 
 pub use annulus::AnnulusMeasures;
 pub use coaptation::CoaptationMeasures;
+pub use diastole::{DiastolicOrifice, diastolic_orifice};
 pub use forces::{ChordGroupMeasures, ChordMeasures, PapillaryMeasures, chord_forces};
 pub use gap::{gap_mm, in_contact};
 pub use leaflet::{LeafletMeasures, vertex_strain};

@@ -140,6 +140,33 @@ impl Raster {
         picked
     }
 
+    /// Areas of the connected parts that are empty here but not in the mask [mm²], the largest first; pixels join at their sides.
+    pub(super) fn gaps_mm2(&self, mask: &Self) -> Vec<f64> {
+        let mut is_gap: Vec<bool> = self
+            .height_mm
+            .iter()
+            .zip(&mask.height_mm)
+            .map(|(here, mask)| !here.is_finite() && mask.is_finite())
+            .collect();
+        let mut areas_mm2 = Vec::new();
+        let mut reached = Vec::new();
+        for first in 0..is_gap.len() {
+            reached.extend(std::mem::take(&mut is_gap[first]).then_some(first));
+            let mut count = 0;
+            while let Some(pixel) = reached.pop() {
+                count += 1;
+                for beside in self.beside(pixel) {
+                    reached.extend(std::mem::take(&mut is_gap[beside]).then_some(beside));
+                }
+            }
+            if count > 0 {
+                areas_mm2.push(f64::from(count) * self.pixel_mm * self.pixel_mm);
+            }
+        }
+        areas_mm2.sort_by(|a, b| b.total_cmp(a));
+        areas_mm2
+    }
+
     /// Fills pixels that are empty here but not in the mask with the mean of their neighbours, from the rim inwards.
     pub(super) fn bridge(&mut self, mask: &Self) {
         loop {
@@ -156,7 +183,8 @@ impl Raster {
         }
     }
 
-    fn neighbour_mean(&self, i: usize) -> Option<f64> {
+    /// The pixels at the sides of one.
+    fn beside(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
         let (row, column) = (i / self.columns, i % self.columns);
         let neighbours = [
             (column > 0).then(|| i - 1),
@@ -164,9 +192,12 @@ impl Raster {
             (row > 0).then(|| i - self.columns),
             (row + 1 < self.rows).then_some(i + self.columns),
         ];
-        let heights = neighbours
-            .into_iter()
-            .flatten()
+        neighbours.into_iter().flatten()
+    }
+
+    fn neighbour_mean(&self, i: usize) -> Option<f64> {
+        let heights = self
+            .beside(i)
             .map(|n| self.height_mm[n])
             .filter(|h| h.is_finite());
         let (sum, count) = heights.fold((0.0, 0), |(sum, count), h| (sum + h, count + 1));
