@@ -5,6 +5,7 @@ mod compare;
 mod export;
 mod faults;
 mod interruption;
+mod limits;
 mod personalise;
 mod program;
 mod real_data;
