@@ -6,6 +6,7 @@ mod export;
 mod faults;
 mod hard;
 mod interruption;
+mod limits;
 mod personalise;
 mod program;
 mod real_data;
