@@ -31,6 +31,8 @@ pub mod relax;
 
 pub mod measure;
 
+pub mod plan;
+
 pub mod personalise;
 
 pub mod tissue_fit;

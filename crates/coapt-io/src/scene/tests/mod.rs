@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use coapt::mesh::parametric::{Preset, ValveParameters, generate};
 use coapt::model::Model;
-use coapt::scene::{Scene, Severity};
+use coapt::scene::{Repair, Scene, Severity};
 
 use super::*;
 
