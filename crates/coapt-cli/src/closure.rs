@@ -6,9 +6,10 @@ use std::time::Instant;
 use clap::{Args, ValueEnum, value_parser};
 use coapt::model::Model;
 use coapt::repair::{self, parse_ring_spec};
-use coapt::scene::{Fault, Plan, Repair, SCHEMA_VERSION};
+use coapt::scene::{Fault, Repair};
+use coapt_io::plan::in_plan;
 use coapt_io::report::{Closed, Closure, Report, text, write_results};
-use coapt_io::scene::{located, plan_from_text, read_text, sentence};
+use coapt_io::scene::{alternative_from_text, located, read_text, sentence};
 
 use crate::case::{self, SizeLimit};
 use crate::interrupt::close_watched;
@@ -79,23 +80,35 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     })
 }
 
-/// A plan and where its repairs stand, to name lines in it.
+/// Repairs and where they stand, to name lines in their plan.
 struct Planned {
-    plan: Plan,
-    file: Option<(PathBuf, String)>,
+    repairs: Vec<Repair>,
+    file: Option<PlanText>,
     warnings: Vec<Fault>,
+}
+
+struct PlanText {
+    path: PathBuf,
+    text: String,
+    /// The key of each repair, shape `[repair]`.
+    keys: Vec<String>,
 }
 
 fn read_plan(path: &Path) -> Result<Planned, Failure> {
     let text = read_text(path).map_err(|fault| vec![fault])?;
-    let (plan, warnings) = plan_from_text(path, &text)?;
-    if plan.repair.is_empty() {
+    let (mut plan, warnings) = alternative_from_text(path, &text)?;
+    let repairs = plan.alternatives.remove(0).repairs;
+    if repairs.is_empty() {
         let message = "the plan has no repair; expected at least one [[repair]]";
         return Err(vec![Fault::error(path.display().to_string(), message)].into());
     }
     Ok(Planned {
-        plan,
-        file: Some((path.to_owned(), text)),
+        repairs,
+        file: Some(PlanText {
+            path: path.to_owned(),
+            text,
+            keys: plan.keys.remove(0),
+        }),
         warnings,
     })
 }
@@ -108,11 +121,7 @@ fn ring_plan(spec: &str) -> Result<Planned, Failure> {
         }]
     })?;
     Ok(Planned {
-        plan: Plan {
-            schema_version: SCHEMA_VERSION,
-            name: spec.to_owned(),
-            repair: vec![Repair::Ring(ring)],
-        },
+        repairs: vec![Repair::Ring(ring)],
         file: None,
         warnings: Vec::new(),
     })
@@ -121,7 +130,7 @@ fn ring_plan(spec: &str) -> Result<Planned, Failure> {
 impl Planned {
     /// A fault of one repair (`ring.size_mm`), with the line of the plan that it speaks of.
     fn located(&self, number: usize, fault: &Fault) -> Fault {
-        let Some((path, text)) = &self.file else {
+        let Some(PlanText { path, text, keys }) = &self.file else {
             // There is but one ring, which the option names already.
             let message = match fault.place.strip_prefix("ring") {
                 Some("") => fault.message.clone(),
@@ -133,11 +142,7 @@ impl Planned {
                 ..fault.clone()
             };
         };
-        let key = fault.place.strip_prefix("ring").unwrap_or("");
-        let fault = Fault {
-            place: format!("repair[{number}]{key}"),
-            ..fault.clone()
-        };
+        let fault = in_plan(&keys[number], fault);
         located(&path.display().to_string(), text, &fault)
     }
 }
@@ -156,7 +161,7 @@ fn close(model: Model, mut warnings: Vec<Fault>, planned: Option<&Planned>) -> R
     warnings.extend(planned.warnings.iter().cloned());
     // All repairs before any closing: a wrong plan is told at once.
     let mut repaired_model = model.clone();
-    for (number, deed) in planned.plan.repair.iter().enumerate() {
+    for (number, deed) in planned.repairs.iter().enumerate() {
         let locate = |faults: &[Fault]| -> Vec<Fault> {
             faults
                 .iter()

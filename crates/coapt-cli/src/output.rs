@@ -1,6 +1,7 @@
 //! How a verb ends and how it speaks.
 
 use std::io::{ErrorKind, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use coapt::scene::{Fault, Severity};
 use coapt_io::scene::sentence;
@@ -31,6 +32,7 @@ impl From<Vec<Fault>> for Failure {
 
 /// Writes a result to standard output. A reader that has gone away, as `head` does, is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    clear_count_line();
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Outside(Fault::error(
@@ -47,9 +49,33 @@ pub(crate) fn tell(faults: &[Fault]) {
     say(&text);
 }
 
+/// Whether the last line of standard error is one that counts, which goes before anything else is told.
+static COUNTING: AtomicBool = AtomicBool::new(false);
+
+/// Back to the beginning of the line, and nothing in it.
+const CLEAR_LINE: &str = "\r\x1b[K";
+
 /// Writes words to standard error; where that is closed there is nobody to tell.
 pub(crate) fn say(text: &str) {
-    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+    let mut words = std::io::stderr().lock();
+    if COUNTING.swap(false, Ordering::Relaxed) {
+        let _ = words.write_all(CLEAR_LINE.as_bytes());
+    }
+    let _ = words.write_all(text.as_bytes());
+}
+
+/// Writes a line to a terminal that takes the place of the last one; gone once something else is said.
+pub(crate) fn count_line(text: &str) {
+    let mut words = std::io::stderr().lock();
+    COUNTING.store(true, Ordering::Relaxed);
+    let _ = words.write_all(format!("{CLEAR_LINE}{text}").as_bytes());
+}
+
+/// Takes that line away.
+fn clear_count_line() {
+    if COUNTING.load(Ordering::Relaxed) {
+        say("");
+    }
 }
 
 /// `error: scene.toml:12: leaflets[0].thickness_mm is -1 mm, expected ...`

@@ -17,3 +17,5 @@ pub mod report;
 pub mod compare;
 
 pub mod study;
+
+pub mod plan;

@@ -9,7 +9,7 @@ use super::rows::{Row, groups};
 use super::{RepairReport, Report, Solve};
 
 /// Longest line.
-const WIDTH: usize = 100;
+pub(crate) const WIDTH: usize = 100;
 
 /// Columns: the name of a measure, its unit, its values.
 const NAME: usize = 42;
@@ -69,11 +69,13 @@ fn certificate(out: &mut String, name: &str, solve: &Solve) {
 
 /// Why a result is not certified; none if it is.
 fn verdict(solve: &Solve) -> Option<String> {
-    if solve.certified {
-        return None;
-    }
+    (!solve.certified).then(|| reasons(solve.status, solve.stable, solve.crossings))
+}
+
+/// What stands against a certificate.
+pub(crate) fn reasons(status: Status, stable: bool, crossings: usize) -> String {
     let mut reasons = Vec::new();
-    match solve.status {
+    match status {
         Status::Converged => {}
         Status::IterationLimit => reasons.push("the iteration limit came first".to_owned()),
         Status::Stalled => reasons.push("the solver made no progress any more".to_owned()),
@@ -81,13 +83,13 @@ fn verdict(solve: &Solve) -> Option<String> {
         Status::Interrupted => reasons.push("it was interrupted".to_owned()),
     }
     // After an interruption nobody has looked.
-    if !solve.stable && solve.status != Status::Interrupted {
+    if !stable && status != Status::Interrupted {
         reasons.push("the shape is not stable".to_owned());
     }
-    if solve.crossings > 0 {
-        reasons.push(format!("surfaces cross at {} edges", solve.crossings));
+    if crossings > 0 {
+        reasons.push(format!("surfaces cross at {crossings} edges"));
     }
-    Some(reasons.join("; "))
+    reasons.join("; ")
 }
 
 fn table(out: &mut String, report: &Report) {
@@ -144,7 +146,7 @@ pub(crate) fn number(value: f64, digits: usize) -> String {
     format!("{value:.digits$}")
 }
 
-fn is_zero(value: f64, digits: usize) -> bool {
+pub(crate) fn is_zero(value: f64, digits: usize) -> bool {
     let text = format!("{value:.digits$}");
     text.chars().all(|letter| matches!(letter, '-' | '0' | '.'))
 }
@@ -192,7 +194,7 @@ pub(crate) fn line(out: &mut String, word: &str, text: &str) {
 }
 
 /// Text broken between words, the further lines below the text of the first.
-fn wrapped(out: &mut String, start: &str, text: &str) {
+pub(crate) fn wrapped(out: &mut String, start: &str, text: &str) {
     let indent = start.chars().count();
     let mut column = indent;
     out.push_str(start);

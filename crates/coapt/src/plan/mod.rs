@@ -106,8 +106,10 @@ pub struct Refusal {
 pub enum Progress<'a> {
     /// A closure made an iteration.
     Iterated(&'a Moment<'a>),
-    /// The valve as it is, or an alternative, is done with.
-    Done,
+    /// A closure came to its end.
+    Closed,
+    /// An alternative could not be carried out.
+    Refused,
 }
 
 /// Looks on at closures that run side by side, and stops them by answering `Break`: what is not closed by then ends
@@ -194,7 +196,7 @@ fn attempted(
         .map(|it| closed(&it.model, it.reports, it.warnings, keep_positions, watch));
     if result.is_err() {
         // There is no closure to be stopped.
-        let _ = watch(&Progress::Done);
+        let _ = watch(&Progress::Refused);
     }
     result
 }
@@ -220,7 +222,7 @@ fn closed(
         positions_mm: if keep_positions { positions_mm } else { Vec::new() },
     };
     // What is closed is closed.
-    let _ = watch(&Progress::Done);
+    let _ = watch(&Progress::Closed);
     outcome
 }
 

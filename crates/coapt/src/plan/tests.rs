@@ -4,6 +4,7 @@ use super::*;
 use crate::mesh::parametric::{Preset, ValveParameters, generate};
 use crate::relax::relax;
 use crate::repair::parse_ring_spec;
+use crate::scene::Ring;
 
 fn small(preset: Preset) -> Model {
     let parameters = ValveParameters {
@@ -13,10 +14,15 @@ fn small(preset: Preset) -> Model {
     Model::build(&generate(&parameters).unwrap()).unwrap().model
 }
 
-fn ring(spec: &str) -> Alternative {
+/// A saddle ring; one of 10 mm belongs to no mitral valve.
+fn ring(size_mm: f64) -> Alternative {
+    let ring = Ring {
+        size_mm: Some(size_mm),
+        ..parse_ring_spec("saddle:30").unwrap()
+    };
     Alternative {
-        name: spec.to_owned(),
-        repairs: vec![Repair::Ring(parse_ring_spec(spec).unwrap())],
+        name: size_mm.to_string(),
+        repairs: vec![Repair::Ring(ring)],
     }
 }
 
@@ -122,8 +128,7 @@ fn what_is_not_certified_is_never_ranked() {
 #[test]
 fn rows_are_the_closures_at_any_number_of_threads() {
     let model = small(Preset::Dilated);
-    let sizes = [28, 10, 32, 30];
-    let alternatives: Vec<Alternative> = sizes.iter().map(|mm| ring(&format!("saddle:{mm}"))).collect();
+    let alternatives = [28.0, 10.0, 32.0, 30.0].map(ring);
     let settings = Settings {
         keep_positions: true,
         ..Settings::default()
@@ -145,7 +150,6 @@ fn rows_are_the_closures_at_any_number_of_threads() {
                 assert_eq!(outcome.positions_mm, alone.state.positions_mm);
                 assert_eq!(outcome.repairs, applied.reports);
             }
-            // A ring of 10 mm belongs to no mitral valve.
             (Err(refusal), Err(again)) => assert_eq!((refusal, row.alternative), (&again, 1)),
             _ => panic!("{row:?}"),
         }
@@ -166,16 +170,18 @@ fn rows_are_the_closures_at_any_number_of_threads() {
 fn a_watcher_sees_all_and_stops_all() {
     use std::sync::atomic::{AtomicUsize, Ordering};
     let model = small(Preset::Dilated);
-    let alternatives = [ring("saddle:28"), ring("saddle:10")];
+    let alternatives = [ring(28.0), ring(10.0)];
     let done = AtomicUsize::new(0);
     let watch = |progress: &Progress| {
-        if let Progress::Done = progress {
-            done.fetch_add(1, Ordering::Relaxed);
-        }
+        match progress {
+            Progress::Iterated(_) => 0,
+            Progress::Closed => done.fetch_add(1, Ordering::Relaxed),
+            Progress::Refused => done.fetch_add(10, Ordering::Relaxed),
+        };
         ControlFlow::Break(())
     };
     let stopped = compare_watched(&model, &alternatives, &Settings::default(), &watch);
-    assert_eq!(done.into_inner(), 3);
+    assert_eq!(done.into_inner(), 12);
     assert_eq!(stopped.before.status, Status::Interrupted);
     assert!(stopped.rows.iter().all(|row| row.rank.is_none()));
 }
