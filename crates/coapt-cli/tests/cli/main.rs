@@ -6,6 +6,7 @@ mod export;
 mod faults;
 mod interruption;
 mod personalise;
+mod plan;
 mod program;
 mod real_data;
 mod study;

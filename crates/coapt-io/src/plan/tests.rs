@@ -12,7 +12,7 @@ use crate::scene::alternatives_from_text;
 
 /// Two rings that hold, one of which widens the annulus, and one of 10 mm, which belongs to no mitral valve.
 const PLAN: &str = "schema_version = 1\nname = \"rings\"\n[[alternative]]\n[[alternative.repair]]\nkind = \"ring\"\n\
-                    family = \"saddle\"\nsize_mm = [28, 10, 60]\n";
+                    family = \"saddle\"\nsize_mm = [28, 10, 44]\n";
 const FILE: PlanFile = PlanFile {
     name: "plan.toml",
     text: PLAN,
@@ -75,7 +75,7 @@ fn the_table_has_before_then_ranks_then_what_failed_and_why() {
         "ranked by orifice",
         "before ",
         "   1  ring 28 ",
-        "   2  ring 60 ",
+        "   2  ring 44 ",
         "not ranked",
         "   -  ring 10\n",
     ];
@@ -86,7 +86,7 @@ fn the_table_has_before_then_ranks_then_what_failed_and_why() {
         "{text}"
     );
     assert!(
-        at("warning: scene.toml:3 leaflets: turned") < at("warning: ring 60: plan.toml:3: alternative"),
+        at("warning: scene.toml:3 leaflets: turned") < at("warning: ring 44: plan.toml:3: alternative"),
         "{text}"
     );
     assert!(text.ends_with("\nresearch use, not a medical device\n"), "{text}");
@@ -98,6 +98,21 @@ fn the_table_has_before_then_ranks_then_what_failed_and_why() {
             .map(|line| line.chars().count())
     };
     assert_eq!(ends("rank  "), ends("   1  "), "{text}");
+}
+
+/// Names differ at their ends: none is cut.
+#[test]
+fn a_long_name_has_a_line_of_its_own() {
+    let mut report = report(&compared());
+    let short = text(&report);
+    let values = short
+        .lines()
+        .find(|line| line.starts_with("   1  ring 28 "))
+        .unwrap();
+    report.alternatives[0].name = "long ".repeat(9) + "28";
+    let long = text(&report);
+    let start = format!("   1  {}28\n{:36}", "long ".repeat(9), "");
+    assert!(long.contains(&(start + &values[36..])), "{long}");
 }
 
 #[test]
@@ -198,7 +213,7 @@ fn files_replace_those_of_an_earlier_comparison_and_nothing_else() {
         names.sort();
         names
     };
-    let shapes = ["0000_before.vtp", "0001_ring-28.vtp", "0003_ring-60.vtp"];
+    let shapes = ["0000_before.vtp", "0001_ring-28.vtp", "0003_ring-44.vtp"];
     assert_eq!(write(&compared.comparison), shapes);
     let first = std::fs::read(folder.join("plan.json")).unwrap();
     let (shape, _) = read_mesh(&folder.join("shapes/0001_ring-28.vtp")).unwrap();

@@ -42,7 +42,11 @@ impl Values {
         match self {
             Self::List(values) => values[number as usize].clone(),
             Self::Range { from, step, .. } => match (from, step) {
-                (Value::Integer(from), Value::Integer(step)) => Value::Integer(from + step * number as i64),
+                (Value::Integer(from), Value::Integer(step)) => {
+                    // Between two whole numbers that fit, though the product alone may not.
+                    let value = i128::from(*from) + i128::from(*step) * i128::from(number);
+                    Value::Integer(i64::try_from(value).unwrap_or(i64::MAX))
+                }
                 _ => Value::Float(rounded(float(from) + float(step) * number as f64)),
             },
         }
