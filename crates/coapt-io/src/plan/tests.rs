@@ -72,7 +72,7 @@ fn the_table_has_before_then_ranks_then_what_failed_and_why() {
         "{text}"
     );
     let order = [
-        "ranked by orifice",
+        "ranked by: orifice",
         "before ",
         "   1  ring 28 ",
         "   2  ring 44 ",
@@ -86,7 +86,7 @@ fn the_table_has_before_then_ranks_then_what_failed_and_why() {
         "{text}"
     );
     assert!(
-        at("warning: scene.toml:3 leaflets: turned") < at("warning: ring 44: plan.toml:3: alternative"),
+        at("warning: scene.toml:3: leaflets: turned") < at("warning: ring 44: plan.toml:4: alternative"),
         "{text}"
     );
     assert!(text.ends_with("\nresearch use, not a medical device\n"), "{text}");
