@@ -15,7 +15,7 @@ fn plan(folder: &Folder, name: &str, rest: &str) -> String {
 
 #[test]
 fn alternatives_are_compared_in_one_table_and_its_files() {
-    let folder = Folder::new("plan");
+    let folder = Folder::new("plan-table");
     let valve = folder.preset("valve", "dilated", &[]);
     let rings = plan(
         &folder,
