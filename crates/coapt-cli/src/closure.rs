@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum, value_parser};
 use coapt::model::Model;
-use coapt::repair::{self, parse_ring_spec};
+use coapt::plan::{Applied, apply_all};
+use coapt::repair::parse_ring_spec;
 use coapt::scene::{Fault, Repair};
 use coapt_io::plan::in_plan;
 use coapt_io::report::{Closed, Closure, Report, text, write_results};
@@ -149,30 +150,29 @@ impl Planned {
 
 /// Closes a valve, and once more from the open state after the repairs.
 fn close(model: Model, mut warnings: Vec<Fault>, planned: Option<&Planned>) -> Result<Closure, Failure> {
-    let mut repairs = Vec::new();
     let Some(planned) = planned else {
         return Ok(Closure {
             before: timed("the valve", model),
             after: None,
-            repairs,
+            repairs: Vec::new(),
             warnings,
         });
     };
     warnings.extend(planned.warnings.iter().cloned());
     // All repairs before any closing: a wrong plan is told at once.
-    let mut repaired_model = model.clone();
-    for (number, deed) in planned.repairs.iter().enumerate() {
-        let locate = |faults: &[Fault]| -> Vec<Fault> {
-            faults
-                .iter()
-                .map(|fault| planned.located(number, fault))
-                .collect()
-        };
-        let repaired = repair::apply(&repaired_model, deed).map_err(|faults| locate(&faults))?;
-        warnings.extend(locate(&repaired.warnings));
-        repairs.push(repaired.report);
-        repaired_model = repaired.model;
-    }
+    let Applied {
+        model: repaired_model,
+        reports: repairs,
+        warnings: doubts,
+    } = apply_all(&model, &planned.repairs).map_err(|refusal| -> Vec<Fault> {
+        let told = refusal.faults.iter();
+        told.map(|fault| planned.located(refusal.repair, fault)).collect()
+    })?;
+    warnings.extend(
+        doubts
+            .iter()
+            .map(|(number, fault)| planned.located(*number, fault)),
+    );
     let (before, after) = rayon::join(
         || timed("before repair", model),
         || timed("after repair", repaired_model),

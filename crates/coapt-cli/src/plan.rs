@@ -24,11 +24,11 @@ use crate::study::prepare;
 pub(crate) struct Arguments {
     /// A scene file, a folder with a scene.toml, or a preset: healthy, dilated, flail, barlow, restricted
     scene: PathBuf,
-    /// A plan file: repairs that every alternative begins with as [[repair]], alternatives as [[alternative]] with
-    /// [[alternative.repair]]; a list such as size_mm = [26, 28] or a range such as { from = 26, to = 32, step = 2 } stands for
-    /// several values
+    /// A plan file: repairs that every alternative begins with as `[[repair]]`, alternatives as `[[alternative]]` with
+    /// `[[alternative.repair]]`; a list such as `size_mm = [26, 28]` or a range such as `size_mm = { from = 26, to = 32, step = 2 }`
+    /// stands for several values
     plan: PathBuf,
-    /// Folder for plan.json, plan.csv, plan_long.csv and plan_units.csv, made if need be; results of an earlier run are replaced
+    /// Folder for plan.json and the tables (.csv), made if need be; results of an earlier run are replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Also write the closed leaflets of every alternative, to shapes/ in that folder
