@@ -82,7 +82,7 @@ fn the_table_has_before_then_ranks_then_what_failed_and_why() {
     let places: Vec<usize> = order.iter().map(|words| at(words)).collect();
     assert!(places.is_sorted(), "{places:?} {text}");
     assert!(
-        at("FAILED: plan.toml:7: alternative[0].repair[0].size_mm is 10") > at("ring 10\n"),
+        at("FAILED: plan.toml:7: alternative[0].repair[0].size_mm: 10 mm is") > at("ring 10\n"),
         "{text}"
     );
     assert!(
