@@ -5,10 +5,12 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum, value_parser};
 use coapt::model::{Built, Model};
-use coapt::repair::{self, parse_ring_spec};
-use coapt::scene::{Fault, Plan, Repair, SCHEMA_VERSION};
+use coapt::plan::{Applied, apply_all};
+use coapt::repair::parse_ring_spec;
+use coapt::scene::{Fault, Repair};
+use coapt_io::plan::in_plan;
 use coapt_io::report::{Closed, Closure, Report, text, write_results};
-use coapt_io::scene::{located, plan_from_text, read_text, sentence};
+use coapt_io::scene::{alternative_from_text, located, read_text, sentence};
 
 use crate::case::{self, SizeLimit};
 use crate::interrupt::close_watched;
@@ -79,23 +81,35 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     })
 }
 
-/// A plan and where its repairs stand, to name lines in it.
+/// Repairs and where they stand, to name lines in their plan.
 struct Planned {
-    plan: Plan,
-    file: Option<(PathBuf, String)>,
+    repairs: Vec<Repair>,
+    file: Option<PlanText>,
     warnings: Vec<Fault>,
+}
+
+struct PlanText {
+    path: PathBuf,
+    text: String,
+    /// The key of each repair, shape `[repair]`.
+    keys: Vec<String>,
 }
 
 fn read_plan(path: &Path) -> Result<Planned, Failure> {
     let text = read_text(path).map_err(|fault| vec![fault])?;
-    let (plan, warnings) = plan_from_text(path, &text)?;
-    if plan.repair.is_empty() {
+    let (mut plan, warnings) = alternative_from_text(path, &text)?;
+    let repairs = plan.alternatives.remove(0).repairs;
+    if repairs.is_empty() {
         let message = "the plan has no repair; expected at least one [[repair]]";
         return Err(vec![Fault::error(path.display().to_string(), message)].into());
     }
     Ok(Planned {
-        plan,
-        file: Some((path.to_owned(), text)),
+        repairs,
+        file: Some(PlanText {
+            path: path.to_owned(),
+            text,
+            keys: plan.keys.remove(0),
+        }),
         warnings,
     })
 }
@@ -108,11 +122,7 @@ fn ring_plan(spec: &str) -> Result<Planned, Failure> {
         }]
     })?;
     Ok(Planned {
-        plan: Plan {
-            schema_version: SCHEMA_VERSION,
-            name: spec.to_owned(),
-            repair: vec![Repair::Ring(ring)],
-        },
+        repairs: vec![Repair::Ring(ring)],
         file: None,
         warnings: Vec::new(),
     })
@@ -121,7 +131,7 @@ fn ring_plan(spec: &str) -> Result<Planned, Failure> {
 impl Planned {
     /// A fault of one repair (`ring.size_mm`), with the line of the plan that it speaks of.
     fn located(&self, number: usize, fault: &Fault) -> Fault {
-        let Some((path, text)) = &self.file else {
+        let Some(PlanText { path, text, keys }) = &self.file else {
             // There is but one ring, which the option names already.
             let message = match fault.place.strip_prefix("ring") {
                 Some("") => fault.message.clone(),
@@ -133,11 +143,7 @@ impl Planned {
                 ..fault.clone()
             };
         };
-        let key = fault.place.strip_prefix("ring").unwrap_or("");
-        let fault = Fault {
-            place: format!("repair[{number}]{key}"),
-            ..fault.clone()
-        };
+        let fault = in_plan(&keys[number], fault);
         located(&path.display().to_string(), text, &fault)
     }
 }
@@ -149,31 +155,30 @@ fn close(built: Built, planned: Option<&Planned>) -> Result<Closure, Failure> {
         mut warnings,
         untangled,
     } = built;
-    let mut repairs = Vec::new();
     let Some(planned) = planned else {
         return Ok(Closure {
             before: timed("the valve", model),
             after: None,
-            repairs,
+            repairs: Vec::new(),
             warnings,
             untangled,
         });
     };
     warnings.extend(planned.warnings.iter().cloned());
     // All repairs before any closing: a wrong plan is told at once.
-    let mut repaired_model = model.clone();
-    for (number, deed) in planned.plan.repair.iter().enumerate() {
-        let locate = |faults: &[Fault]| -> Vec<Fault> {
-            faults
-                .iter()
-                .map(|fault| planned.located(number, fault))
-                .collect()
-        };
-        let repaired = repair::apply(&repaired_model, deed).map_err(|faults| locate(&faults))?;
-        warnings.extend(locate(&repaired.warnings));
-        repairs.push(repaired.report);
-        repaired_model = repaired.model;
-    }
+    let Applied {
+        model: repaired_model,
+        reports: repairs,
+        warnings: doubts,
+    } = apply_all(&model, &planned.repairs).map_err(|refusal| -> Vec<Fault> {
+        let told = refusal.faults.iter();
+        told.map(|fault| planned.located(refusal.repair, fault)).collect()
+    })?;
+    warnings.extend(
+        doubts
+            .iter()
+            .map(|(number, fault)| planned.located(*number, fault)),
+    );
     let (before, after) = rayon::join(
         || timed("before repair", model),
         || timed("after repair", repaired_model),

@@ -114,8 +114,13 @@ pub(crate) fn close_watched(what: &str, model: &Model) -> Equilibrium {
         say(&format!("{what}: {notice} ..."));
     }
     let closed = watching(what, |watch| relax_watched(model, &State::open(model), watch));
-    work().closed += 1;
+    note_closed();
     closed
+}
+
+/// Counts a closure that came to its end.
+pub(crate) fn note_closed() {
+    work().closed += 1;
 }
 
 /// Does some work of closures with a watcher that notes for an interruption how far it has come.

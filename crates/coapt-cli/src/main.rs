@@ -19,6 +19,7 @@ mod generate;
 mod interrupt;
 mod output;
 mod personalise;
+mod plan;
 mod study;
 
 use std::io::{ErrorKind, Write};
@@ -47,6 +48,8 @@ For research use; not a medical device.";
 enum Verb {
     /// Close a valve under systolic pressure, before and after a repair, and report
     Closure(closure::Arguments),
+    /// Compare many surgical alternatives in one table, ranked
+    Plan(plan::Arguments),
     /// Read and validate a scene; list every fault with its line
     Check(check::Arguments),
     /// Measure how far apart two surfaces lie, under every published definition
@@ -84,6 +87,7 @@ fn main() -> ExitCode {
     interrupt::listen();
     let outcome = match &arguments.verb {
         Verb::Closure(arguments) => closure::run(arguments),
+        Verb::Plan(arguments) => plan::run(arguments),
         Verb::Check(arguments) => check::run(arguments),
         Verb::Compare(arguments) => compare::run(arguments),
         Verb::Generate(arguments) => generate::run(arguments),

@@ -107,7 +107,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     })
 }
 
-fn prepare(folder: &Path) -> Result<(), Failure> {
+/// Makes the folder of results, to know before the work that it can be made.
+pub(crate) fn prepare(folder: &Path) -> Result<(), Failure> {
     let place = folder.display().to_string();
     if folder.exists() && !folder.is_dir() {
         return Err(vec![Fault::error(place, "is a file; expected a folder to write to")].into());

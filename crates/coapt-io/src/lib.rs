@@ -19,3 +19,5 @@ pub mod report;
 pub mod compare;
 
 pub mod study;
+
+pub mod plan;

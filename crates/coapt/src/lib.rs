@@ -35,6 +35,8 @@ pub mod sensitivity;
 
 pub mod search;
 
+pub mod plan;
+
 pub mod personalise;
 
 pub mod tissue_fit;

@@ -227,6 +227,39 @@ fn who_asked_for_hang_ups_to_be_ignored_is_not_interrupted_by_them() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
 }
 
+/// Of many closures: how many were complete.
+#[test]
+fn an_interrupted_comparison_tells_how_far_it_came() {
+    let folder = Folder::new("alternatives");
+    let out = folder.path("out");
+    let plan = folder.file(
+        "plan.toml",
+        "schema_version = 1\n[[repair]]\nkind = \"ring\"\nfamily = \"saddle\"\nsize_mm = { from = 24, to = 34, step = 0.001 }\n",
+    );
+    let arguments = [
+        "plan",
+        "dilated",
+        &plan,
+        "--out",
+        &out,
+        "--max-alternatives",
+        "20000",
+    ]
+    .map(str::to_owned);
+    let child = start(&arguments);
+    std::thread::sleep(Duration::from_secs(3));
+    send("-INT", &child);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let told = stderr(&output);
+    assert!(told.starts_with("interrupted: the alternatives with "), "{told}");
+    assert!(
+        told.contains("closures were complete; nothing was written"),
+        "{told}"
+    );
+    assert!(snapshot(Path::new(&out)).is_empty() && temporaries(Path::new(&out)).is_empty());
+}
+
 /// Whether the first is still being answered or not.
 #[test]
 fn a_second_interruption_does_not_hang() {

@@ -8,6 +8,7 @@ mod hard;
 mod interruption;
 mod limits;
 mod personalise;
+mod plan;
 mod program;
 mod real_data;
 mod study;

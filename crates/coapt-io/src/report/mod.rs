@@ -11,9 +11,10 @@ use coapt::repair;
 use coapt::scene::{Fault, MMHG_MPA, RingFamily};
 use serde::Serialize;
 
+pub(crate) use surfaces::stage_closed_surface;
 pub use surfaces::{stage_results, write_closed_surface, write_results};
 pub use text::text;
-pub(crate) use text::{line, number};
+pub(crate) use text::{WIDTH, is_zero, line, number, reasons, wrapped};
 
 /// The layout of the JSON report.
 pub const REPORT_SCHEMA: &str = "coapt-report/1";

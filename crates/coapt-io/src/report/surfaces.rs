@@ -118,6 +118,16 @@ pub fn write_closed_surface(path: &Path, model: &Model, positions_mm: &[Vec3]) -
     write_vtp(path, &closed_surface(model, positions_mm))
 }
 
+/// The same as part of a batch.
+pub(crate) fn stage_closed_surface(
+    batch: &mut Batch,
+    path: &Path,
+    model: &Model,
+    positions_mm: &[Vec3],
+) -> Result<(), Fault> {
+    stage_vtp(batch, path, &closed_surface(model, positions_mm))
+}
+
 fn closed_surface(model: &Model, positions_mm: &[Vec3]) -> PolyData {
     let mut surface = leaflets(model, positions_mm);
     surface.point_arrays.extend(at_points(model, positions_mm));

@@ -10,7 +10,7 @@ use super::{RepairReport, Report, Solve, UntangledReport};
 use crate::escape::escaped;
 
 /// Longest line.
-const WIDTH: usize = 100;
+pub(crate) const WIDTH: usize = 100;
 
 /// Columns: the name of a measure, its unit, its values.
 const NAME: usize = 42;
@@ -85,11 +85,13 @@ fn untangled_line(untangled: &UntangledReport) -> String {
 
 /// Why a result is not certified; none if it is.
 fn verdict(solve: &Solve) -> Option<String> {
-    if solve.certified {
-        return None;
-    }
+    (!solve.certified).then(|| reasons(solve.status, solve.stable, solve.crossings))
+}
+
+/// What stands against a certificate.
+pub(crate) fn reasons(status: Status, stable: bool, crossings: usize) -> String {
     let mut reasons = Vec::new();
-    match solve.status {
+    match status {
         Status::Converged => {}
         Status::IterationLimit => reasons.push("the iteration limit came first".to_owned()),
         Status::Stalled => reasons.push("the solver made no progress any more".to_owned()),
@@ -97,13 +99,13 @@ fn verdict(solve: &Solve) -> Option<String> {
         Status::Interrupted => reasons.push("it was interrupted".to_owned()),
     }
     // After an interruption nobody has looked.
-    if !solve.stable && solve.status != Status::Interrupted {
+    if !stable && status != Status::Interrupted {
         reasons.push("the shape is not stable".to_owned());
     }
-    if solve.crossings > 0 {
-        reasons.push(format!("surfaces cross at {} edges", solve.crossings));
+    if crossings > 0 {
+        reasons.push(format!("surfaces cross at {crossings} edges"));
     }
-    Some(reasons.join("; "))
+    reasons.join("; ")
 }
 
 fn table(out: &mut String, report: &Report) {
@@ -160,7 +162,7 @@ pub(crate) fn number(value: f64, digits: usize) -> String {
     format!("{:.digits$}", Readable(value))
 }
 
-fn is_zero(value: f64, digits: usize) -> bool {
+pub(crate) fn is_zero(value: f64, digits: usize) -> bool {
     let text = format!("{value:.digits$}");
     text.chars().all(|letter| matches!(letter, '-' | '0' | '.'))
 }
@@ -208,7 +210,7 @@ pub(crate) fn line(out: &mut String, word: &str, text: &str) {
 }
 
 /// Text broken between words, the further lines below the text of the first.
-fn wrapped(out: &mut String, start: &str, text: &str) {
+pub(crate) fn wrapped(out: &mut String, start: &str, text: &str) {
     let indent = start.chars().count();
     let mut column = indent;
     out.push_str(start);

@@ -97,7 +97,7 @@ pub(super) fn parse<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Ve
     }
 }
 
-fn parse_json<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Fault>> {
+pub(super) fn parse_json<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Fault>> {
     #[derive(serde::Deserialize)]
     struct Version {
         schema_version: Option<u64>,
@@ -152,7 +152,11 @@ fn wrong_version(version: u64) -> Option<String> {
 }
 
 fn parse_toml<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Fault>> {
-    let at = |span: Option<Range<usize>>| place(file, text, span.map_or(0, |span| span.start));
+    typed(file, text, toml_table(file, text)?)
+}
+
+/// A TOML document of our version as a table that knows where everything stands.
+pub(super) fn toml_table<'t>(file: &str, text: &'t str) -> Result<Spanned<DeTable<'t>>, Vec<Fault>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
         return Err(syntax_faults(file, text, &errors));
@@ -163,10 +167,19 @@ fn parse_toml<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Vec<Faul
         && let Some(message) = wrong_version(number)
     {
         return Err(vec![Fault::error(
-            at(Some(version.span())),
+            place(file, text, version.span().start),
             format!("schema_version {message}"),
         )]);
     }
+    Ok(table)
+}
+
+/// A table as its type.
+pub(super) fn typed<T: DeserializeOwned>(
+    file: &str,
+    text: &str,
+    table: Spanned<DeTable<'_>>,
+) -> Result<T, Vec<Fault>> {
     deserialize(table).map_err(|mut found| {
         found.sort_by_key(|(byte, _)| *byte);
         found

@@ -13,16 +13,20 @@ mod geometry;
 mod json_text;
 mod locate;
 mod nearest;
+mod plan;
 mod write;
 mod wrong_type;
 
 use std::path::Path;
 
-use coapt::scene::{Fault, Plan, Repair, Scene, Severity, Space};
+use coapt::scene::{Fault, Scene, Severity, Space};
 
 pub use document::{in_plain_words, read_text};
 pub use locate::{locate, located, sentence};
 pub use nearest::nearest;
+pub use plan::{
+    ALTERNATIVE_LIMIT, Alternatives, alternative_from_text, alternatives_from_text, plan_from_text, read_plan,
+};
 pub use write::{stage_scene, write_scene};
 
 use files::Files;
@@ -64,40 +68,6 @@ pub fn scene_within(
     fill(&mut scene, &mut files);
     files.judge_frames();
     finish(scene, &name, text, files)
-}
-
-/// Reads a plan and the ring curves that it names; the second part are the warnings.
-///
-/// # Errors
-/// All faults found, errors and warnings, up to twenty of each, if one of them is an error.
-pub fn read_plan(path: &Path) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
-    let text = read_text(path).map_err(|fault| vec![fault])?;
-    plan_from_text(path, &text)
-}
-
-/// The same with the text at hand.
-///
-/// # Errors
-/// As [`read_plan`].
-pub fn plan_from_text(path: &Path, text: &str) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
-    let name = path.display().to_string();
-    let mut plan: Plan = document::parse(&name, text)?;
-    let mut files = Files::new(folder_of(path), Space::LPS, u32::MAX);
-    for (number, repair) in plan.repair.iter_mut().enumerate() {
-        let Repair::Ring(ring) = repair;
-        let key = format!("repair[{number}].curve_file");
-        let Some(file) = ring.curve_file.take() else {
-            continue;
-        };
-        if ring.curve_mm.is_some() {
-            files.error(&key, "is given beside `curve_mm`; expected one of the two");
-        } else if let Some(curve) = files.curve(&key, &file) {
-            ring.closed.get_or_insert(curve.closed);
-            ring.curve_mm = Some(curve.points_mm);
-        }
-    }
-    files.judge_frames();
-    finish(plan, &name, text, files)
 }
 
 fn folder_of(path: &Path) -> &Path {

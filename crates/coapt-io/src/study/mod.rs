@@ -28,6 +28,7 @@ pub use laws::{
     text as text_of_laws, write_laws,
 };
 pub use plot::svg;
+pub(crate) use table::status_name;
 pub use table::{csv, text};
 
 /// The layout of `study.json`.

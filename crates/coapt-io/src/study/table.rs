@@ -40,7 +40,7 @@ pub fn csv(study: &Study) -> String {
     out
 }
 
-pub(super) fn status_name(status: Status) -> &'static str {
+pub(crate) fn status_name(status: Status) -> &'static str {
     match status {
         Status::Converged => "converged",
         Status::IterationLimit => "iteration-limit",

@@ -2,13 +2,14 @@
 
 mod fuzzed;
 mod laws_page;
+mod plans_page;
 mod schema;
 
 use std::path::PathBuf;
 
 use coapt::mesh::parametric::{Preset, ValveParameters, generate};
 use coapt::model::Model;
-use coapt::scene::{Scene, Severity};
+use coapt::scene::{Repair, Scene, Severity};
 
 use super::*;
 

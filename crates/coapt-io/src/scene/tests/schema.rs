@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use coapt::plan::Criterion;
 use coapt::scene::{Plan, Scene};
 use schemars::{Schema, schema_for};
+use serde_json::{Map, Value, json};
 
 /// Set this to write the schemas anew.
 const REFRESH: &str = "COAPT_REFRESH_SCHEMAS";
@@ -26,5 +28,129 @@ fn check(file: &str, schema: &Schema) {
 #[test]
 fn the_published_schemas_are_up_to_date() {
     check("scene.schema.json", &schema_for!(Scene));
-    check("plan.schema.json", &schema_for!(Plan));
+    check("plan.schema.json", &with_alternatives(schema_for!(Plan)));
+}
+
+/// The schema of a plan with what its reader makes alternatives of: blocks, lists and ranges.
+fn with_alternatives(plan: Schema) -> Schema {
+    let mut plan = Value::from(plan);
+    sweep_keys(&mut plan["$defs"]);
+    plan["description"] =
+        "Repairs that every alternative begins with, applied in order, and alternatives.".into();
+    plan["$defs"]["Range"] = json!({
+        "description": "The values from `from` to `to` in steps of `step`.",
+        "type": "object",
+        "properties": { "from": { "type": "number" }, "to": { "type": "number" }, "step": { "type": "number", "exclusiveMinimum": 0 } },
+        "required": ["from", "to", "step"],
+        "additionalProperties": false
+    });
+    plan["$defs"]["Alternative"] = json!({
+        "description": "What is done after the repairs that every alternative begins with.",
+        "type": "object",
+        "properties": {
+            "name": { "description": "What it is called in reports; made from its repairs if left out.", "type": "string" },
+            "repair": { "description": "Its repairs.", "type": "array", "items": { "$ref": "#/$defs/Repair" } }
+        },
+        "additionalProperties": false
+    });
+    plan["$defs"]["Criterion"] = schema_for!(Criterion).into();
+    if let Some(criterion) = plan["$defs"]["Criterion"].as_object_mut() {
+        criterion.remove("$schema");
+    }
+    plan["properties"]["alternative"] = json!({
+        "description": "Alternatives, each compared with the valve as it is.",
+        "type": "array",
+        "items": { "$ref": "#/$defs/Alternative" }
+    });
+    plan["properties"]["ranking"] = json!({
+        "description": "How alternatives are ranked.",
+        "type": "object",
+        "properties": {
+            "criteria": {
+                "description": "The most important first.",
+                "type": "array",
+                "items": { "$ref": "#/$defs/Criterion" },
+                "minItems": 1,
+                "uniqueItems": true
+            }
+        },
+        "required": ["criteria"],
+        "additionalProperties": false
+    });
+    Schema::try_from(plan).unwrap()
+}
+
+/// Every key of a repair that takes one value takes a list of them too, and a range where they are numbers.
+fn sweep_keys(definitions: &mut Value) {
+    let known = definitions.clone();
+    for kind in definitions["Repair"]["oneOf"].as_array_mut().unwrap() {
+        let of_ref = |kind: &Value| {
+            let name = kind["$ref"].as_str()?.strip_prefix("#/$defs/")?;
+            Some(known[name].clone())
+        };
+        // A kind may stand elsewhere, with only its tag here.
+        let elsewhere = of_ref(kind);
+        let properties = elsewhere
+            .as_ref()
+            .and_then(|it| it["properties"].as_object())
+            .cloned();
+        let here = kind["properties"].as_object_mut().unwrap();
+        for (key, value) in properties.unwrap_or_default() {
+            here.entry(key).or_insert(value);
+        }
+        let keys = here.iter_mut().filter(|(key, _)| *key != "kind");
+        keys.for_each(|(_, value)| *value = swept(value, &known));
+    }
+}
+
+fn swept(value: &Value, known: &Value) -> Value {
+    let is_value = |kind: &Value| {
+        ["string", "number", "integer", "boolean"]
+            .iter()
+            .any(|name| kind == name)
+    };
+    let takes = |schema: &Value, which: &dyn Fn(&Value) -> bool| match &schema["type"] {
+        Value::Array(types) => types.iter().any(which),
+        one => which(one),
+    };
+    // Optional ones of a named type stand in a list with null.
+    let alone = value["anyOf"]
+        .as_array()
+        .and_then(|all| all.iter().find(|it| !it["$ref"].is_null()));
+    let name = alone.unwrap_or(value)["$ref"]
+        .as_str()
+        .and_then(|name| name.strip_prefix("#/$defs/"));
+    let is_name = name.is_some_and(|name| known[name]["oneOf"].is_array() || known[name]["enum"].is_array());
+    if !is_name && !takes(value, &is_value) {
+        return value.clone();
+    }
+    let mut one = value.clone();
+    let mut whole = Map::new();
+    for key in ["description", "default"] {
+        if let Some(moved) = one.as_object_mut().and_then(|one| one.remove(key)) {
+            whole.insert(key.into(), moved);
+        }
+    }
+    let mut choices = vec![
+        one.clone(),
+        json!({ "type": "array", "items": one, "minItems": 1 }),
+    ];
+    if takes(value, &|kind| kind == "number" || kind == "integer") {
+        choices.push(json!({ "$ref": "#/$defs/Range" }));
+    }
+    whole.insert("anyOf".into(), choices.into());
+    whole.into()
+}
+
+#[test]
+fn lists_and_ranges_are_in_the_schema_where_one_value_is() {
+    let plan = Value::from(with_alternatives(schema_for!(Plan)));
+    let ring = &plan["$defs"]["Repair"]["oneOf"][0]["properties"];
+    assert_eq!(ring["size_mm"]["anyOf"][2]["$ref"], "#/$defs/Range");
+    for key in ["family", "attachment", "placed", "curve_file"] {
+        assert_eq!(ring[key]["anyOf"][1]["type"], "array", "{key}");
+        assert_eq!(ring[key]["anyOf"][2], Value::Null, "{key}");
+    }
+    assert!(ring["curve_mm"]["anyOf"].is_null(), "a list by nature");
+    assert!(ring["kind"]["anyOf"].is_null());
 }

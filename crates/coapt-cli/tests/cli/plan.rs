@@ -1,0 +1,207 @@
+//! `coapt plan`: what is printed and written, and how it ends.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::program::{Folder, coapt, snapshot, stderr, stdout};
+
+const START: &str = "schema_version = 1\nname = \"rings\"\n";
+const RING: &str = "[[alternative]]\n[[alternative.repair]]\nkind = \"ring\"\nfamily = \"saddle\"\n";
+
+fn plan(folder: &Folder, name: &str, rest: &str) -> String {
+    folder.file(name, &format!("{START}{rest}"))
+}
+
+#[test]
+fn alternatives_are_compared_in_one_table_and_its_files() {
+    let folder = Folder::new("plan-table");
+    let valve = folder.preset("valve", "dilated", &[]);
+    let rings = plan(
+        &folder,
+        "plan.toml",
+        &format!("{RING}size_mm = {{ from = 28, to = 32, step = 2 }}\n{RING}size_mm = 10\n"),
+    );
+    let out = folder.path("out");
+    let output = coapt(&["plan", &valve, &rings, "--out", &out, "--shapes"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(text.contains(": 4 alternatives compared at 100 mmHg"), "{text}");
+    assert!(
+        text.contains("FAILED: ") && text.contains("plan.toml:12: alternative[1].repair[0].size_mm"),
+        "{text}"
+    );
+    assert!(text.ends_with("research use, not a medical device\n"), "{text}");
+    // Nobody sits before a terminal: no line that counts.
+    assert!(
+        !stderr(&output).contains('\r') && stderr(&output).contains("5 closures in "),
+        "{}",
+        stderr(&output)
+    );
+    let files: Vec<String> = snapshot(Path::new(&out)).into_keys().collect();
+    for name in [
+        "plan.csv",
+        "plan.json",
+        "plan_long.csv",
+        "plan_units.csv",
+        "shapes/0000_before.vtp",
+        "shapes/0003_ring-32.vtp",
+    ] {
+        assert!(files.iter().any(|file| file == name), "{name}: {files:?}");
+    }
+    let printed = stdout(&coapt(&["plan", &valve, &rings, "--format", "json"]));
+    assert_eq!(
+        printed,
+        std::fs::read_to_string(Path::new(&out).join("plan.json")).unwrap()
+    );
+    let report: Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(report["alternatives"].as_array().map(Vec::len), Some(4));
+    assert_eq!(report["notice"], "research use, not a medical device");
+}
+
+/// Each row says what `closure` says of the same ring.
+#[test]
+fn a_row_is_what_closure_finds() {
+    let folder = Folder::new("plan-closure");
+    let valve = folder.preset("valve", "dilated", &[]);
+    let rings = plan(&folder, "plan.toml", &format!("{RING}size_mm = [28, 30]\n"));
+    let compared: Value =
+        serde_json::from_str(&stdout(&coapt(&["plan", &valve, &rings, "--format", "json"]))).unwrap();
+    let closed: Value = serde_json::from_str(&stdout(&coapt(&[
+        "closure",
+        &valve,
+        "--ring",
+        "saddle:30",
+        "--format",
+        "json",
+    ])))
+    .unwrap();
+    let rows = compared["alternatives"].as_array().unwrap();
+    let row = rows.iter().find(|row| row["name"] == "ring 30").unwrap();
+    for measure in [
+        "orifice",
+        "coaptation",
+        "annulus",
+        "chords",
+        "leaflets",
+        "tenting",
+    ] {
+        assert_eq!(row[measure], closed["after"][measure], "{measure}");
+        assert_eq!(
+            compared["before"][measure], closed["before"][measure],
+            "{measure}"
+        );
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_byte() {
+    let folder = Folder::new("plan-threads");
+    let valve = folder.preset("valve", "dilated", &[]);
+    let rings = plan(
+        &folder,
+        "plan.toml",
+        &format!("{RING}size_mm = [26, 28, 30, 32, 34]\n"),
+    );
+    let of = |threads: &str| {
+        let out = folder.path(threads);
+        let output = coapt(&[
+            "plan",
+            &valve,
+            &rings,
+            "--out",
+            &out,
+            "--shapes",
+            "--threads",
+            threads,
+        ]);
+        (stdout(&output), snapshot(Path::new(&out)))
+    };
+    assert!(of("1") == of("3"));
+}
+
+/// Closures that end at the iteration limit are marked and unranked, and the program says so by its status.
+#[test]
+fn what_is_not_certified_is_status_3() {
+    let folder = Folder::new("plan-limit");
+    let valve = folder.preset("valve", "dilated", &[]);
+    let scene = Path::new(&valve).join("scene.toml");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    let limited = text.replace("iteration_limit = 2000", "iteration_limit = 3");
+    assert!(limited != text, "{text}");
+    std::fs::write(&scene, limited).unwrap();
+    let rings = plan(&folder, "plan.toml", &format!("{RING}size_mm = [28, 30]\n"));
+    let output = coapt(&["plan", &valve, &rings]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert_eq!(
+        text.matches("NOT CERTIFIED: the iteration limit came first")
+            .count(),
+        3,
+        "{text}"
+    );
+    assert!(
+        text.contains("not ranked") && !text.contains("   1  ring"),
+        "{text}"
+    );
+}
+
+#[test]
+fn wrong_plans_are_status_2_with_their_lines() {
+    let folder = Folder::new("plan-wrong");
+    for (name, rest, options, told) in [
+        (
+            "none.toml",
+            "",
+            &[][..],
+            "none.toml: the plan has no repair; expected at least one [[repair]] or [[alternative.repair]]",
+        ),
+        (
+            "all.toml",
+            &*format!("{RING}size_mm = [10, 11]\n"),
+            &[],
+            "all.toml:7: alternative[0].repair[0].size_mm",
+        ),
+        (
+            "many.toml",
+            &format!("{RING}size_mm = [28, 30, 32]\n"),
+            &["--max-alternatives", "2"],
+            "many.toml has 3 alternatives, the product of its lists and ranges; expected 2 at most (--max-alternatives)",
+        ),
+        (
+            "item.toml",
+            &format!("{RING}size_mm = [28,\n\"30\"]\n"),
+            &[],
+            "item.toml:8: alternative[0].repair[0].size_mm[1]",
+        ),
+        (
+            "out.toml",
+            &format!("{RING}size_mm = 28\n"),
+            &["--shapes"],
+            "--out <DIR>",
+        ),
+    ] {
+        let file = plan(&folder, name, rest);
+        let output = coapt(&[&["plan", "dilated", &file], options].concat());
+        assert_eq!(output.status.code(), Some(2), "{name}: {}", stdout(&output));
+        assert!(stderr(&output).contains(told), "{name}: {}", stderr(&output));
+        assert!(stdout(&output).is_empty());
+    }
+    let two = plan(&folder, "two.toml", &format!("{RING}size_mm = [28, 30]\n"));
+    let output = coapt(&["closure", "dilated", "--plan", &two]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output)
+            .contains("two.toml has 2 alternatives; expected one (`coapt plan SCENE PLAN` compares several)"),
+        "{}",
+        stderr(&output)
+    );
+    // One alternative is a plan as any other.
+    let one = plan(&folder, "one.toml", &format!("{RING}size_mm = [30]\n"));
+    let output = coapt(&["closure", "dilated", "--plan", &one]);
+    assert!(
+        stdout(&output).contains("repair: ring saddle, size 30 mm"),
+        "{}",
+        stderr(&output)
+    );
+}

@@ -1,0 +1,107 @@
+//! A comparison as files.
+
+use std::path::{Path, PathBuf};
+
+use coapt::Vec3;
+use coapt::model::Model;
+use coapt::plan::{Comparison, apply_all};
+use coapt::scene::Fault;
+
+use super::{PlanReport, csv, long_csv, units_csv};
+use crate::atomic::{Batch, make_folder};
+use crate::report::stage_closed_surface;
+use crate::scene::Alternatives;
+
+/// Folder of the closed shapes.
+const SHAPES: &str = "shapes";
+
+/// Writes all tables into a folder, which is made if need be, and the closed shapes where the comparison kept them; files of an
+/// earlier comparison are replaced, all of them once all are written. The same comparison gives the same bytes.
+///
+/// # Errors
+/// What the file system says.
+pub fn write_plan(
+    folder: &Path,
+    report: &PlanReport,
+    model: &Model,
+    plan: &Alternatives,
+    comparison: &Comparison,
+) -> Result<(), Fault> {
+    make_folder(folder)?;
+    let mut batch = Batch::default();
+    for (name, text) in [
+        ("plan.json", report.json()?),
+        ("plan.csv", csv(report)),
+        ("plan_long.csv", long_csv(report)),
+        ("plan_units.csv", units_csv()),
+    ] {
+        batch.write(&folder.join(name), text.as_bytes())?;
+    }
+    let written = stage_shapes(&mut batch, folder, model, plan, comparison)?;
+    for old in shapes_in(&folder.join(SHAPES)) {
+        if !written.contains(&old) {
+            batch.remove(old);
+        }
+    }
+    batch.finish()
+}
+
+/// Makes the folder for closed shapes, to know before the work that it can be made.
+///
+/// # Errors
+/// What the file system says.
+pub fn prepare_shapes(folder: &Path) -> Result<(), Fault> {
+    make_folder(&folder.join(SHAPES))
+}
+
+fn stage_shapes(
+    batch: &mut Batch,
+    folder: &Path,
+    model: &Model,
+    plan: &Alternatives,
+    comparison: &Comparison,
+) -> Result<Vec<PathBuf>, Fault> {
+    let mut written = Vec::new();
+    let mut stage = |number: usize, name: &str, model: &Model, positions_mm: &[Vec3]| {
+        if positions_mm.is_empty() {
+            return Ok(());
+        }
+        prepare_shapes(folder)?;
+        let path = folder.join(SHAPES).join(file_name(number, name));
+        written.push(path.clone());
+        stage_closed_surface(batch, &path, model, positions_mm)
+    };
+    stage(0, "before", model, &comparison.before.positions_mm)?;
+    for row in &comparison.rows {
+        let alternative = &plan.alternatives[row.alternative];
+        let Ok(outcome) = &row.result else { continue };
+        // Models of thousands of alternatives were not kept; to make one is nothing beside writing its shape.
+        if let Ok(applied) = apply_all(model, &alternative.repairs) {
+            let name = &alternative.name;
+            stage(row.alternative + 1, name, &applied.model, &outcome.positions_mm)?;
+        }
+    }
+    Ok(written)
+}
+
+/// Letters of a name that are part of a file name, at most.
+const LONGEST_NAME: usize = 60;
+
+/// `0012_ring-28-clip-A2P2.vtp`: letters, digits and points, everything else as hyphens.
+fn file_name(number: usize, name: &str) -> String {
+    let words = name.split(|letter: char| !(letter.is_ascii_alphanumeric() || letter == '.'));
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    let name: String = words.join("-").chars().take(LONGEST_NAME).collect();
+    format!("{number:04}_{name}.vtp")
+}
+
+/// Files of an earlier comparison: nothing else is touched.
+fn shapes_in(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_ours = |path: &PathBuf| {
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or("");
+        let (number, rest) = name.split_once('_').unwrap_or(("", ""));
+        number.len() >= 4 && number.bytes().all(|byte| byte.is_ascii_digit()) && rest.ends_with(".vtp")
+    };
+    entries.map(|entry| entry.path()).filter(is_ours).collect()
+}

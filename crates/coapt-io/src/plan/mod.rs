@@ -1,0 +1,283 @@
+//! A comparison of surgical alternatives: its results, as tables for people and machines.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `plan.json` | everything |
+//! | `plan.csv` | a line per alternative, a column per measure |
+//! | `plan_long.csv`, `plan_units.csv` | a line per measure of a certified closure, in the long layout of `SlicerHeart`'s batch export, with its table of units |
+//! | `shapes/NUMBER_NAME.vtp` | the closed leaflets of each alternative, where asked for |
+
+mod files;
+mod long;
+mod table;
+mod text;
+
+use std::collections::BTreeMap;
+
+use coapt::measure::Measures;
+use coapt::model::Model;
+use coapt::plan::{Comparison, Criterion, Outcome};
+use coapt::relax::Status;
+use coapt::scene::{Fault, MMHG_MPA, Repair};
+use serde::Serialize;
+
+use crate::report::{MeshSize, NOTICE};
+use crate::scene::{Alternatives, locate, sentence};
+
+pub use files::{prepare_shapes, write_plan};
+pub use long::{long_csv, units_csv};
+pub use table::csv;
+pub use text::text;
+
+/// The layout of `plan.json`.
+pub const PLAN_SCHEMA: &str = "coapt-plan/1";
+
+/// Everything that is told of a comparison. Units are in the names.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlanReport {
+    /// [`PLAN_SCHEMA`].
+    pub schema: &'static str,
+    /// Version of the program.
+    pub version: &'static str,
+    /// [`NOTICE`].
+    pub notice: &'static str,
+    /// Name of the case.
+    pub case: String,
+    /// Name of the plan; empty where it has none.
+    pub plan: String,
+    /// Transvalvular pressure [mmHg].
+    pub pressure_mmhg: f64,
+    /// Size of the model before any repair.
+    pub mesh: MeshSize,
+    /// What ranks, the most important first.
+    pub ranking: Vec<Ranking>,
+    /// The valve without any repair.
+    pub before: Closed,
+    /// Ranked ones first, the best first; then what closed without a certificate; then what could not be carried out.
+    pub alternatives: Vec<Row>,
+    /// Repairs of the input, guesses and doubts.
+    pub warnings: Vec<String>,
+}
+
+/// A criterion and how fine it tells.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Ranking {
+    /// Which one.
+    pub criterion: Criterion,
+    /// Values are compared in bins so wide, in `unit`.
+    pub bin: f64,
+    /// Unit of value and bin.
+    pub unit: &'static str,
+}
+
+/// One alternative.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Its place; shared by those that no criterion tells apart; absent without a certificate.
+    pub rank: Option<usize>,
+    /// Its number in the order of the plan, from 1.
+    pub number: usize,
+    /// What it is called.
+    pub name: String,
+    /// What is done.
+    pub repairs: Vec<Repair>,
+    /// Why it could not be carried out; empty if it could.
+    pub faults: Vec<String>,
+    /// Doubts about the repairs.
+    pub warnings: Vec<String>,
+    /// The closed valve; absent if it could not be carried out.
+    #[serde(flatten)]
+    pub closed: Option<Closed>,
+}
+
+/// A closed state.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Closed {
+    /// How far it can be trusted.
+    pub solve: Trust,
+    /// What it measures.
+    #[serde(flatten)]
+    pub measures: Measures,
+}
+
+/// How far a closed state can be trusted. No times: the same plan gives the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Trust {
+    /// Whether the result may be used: converged, stable, nothing crosses.
+    pub certified: bool,
+    /// Why the solver stopped.
+    pub status: Status,
+    /// Largest force left on a free vertex over the mean nodal pressure force [1].
+    pub residual: f64,
+    /// Solver iterations.
+    pub iterations: usize,
+    /// Whether a small push is answered by a small motion.
+    pub stable: bool,
+    /// Edges that pass through faces.
+    pub crossings: usize,
+    /// How far mid-surfaces in contact are nearer than the contact distance, at most [mm].
+    pub max_penetration_mm: f64,
+    /// Expected distance from an infinitely fine mesh, root mean square [mm].
+    pub discretisation_mm: f64,
+}
+
+/// A plan in its file, to name lines in it.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanFile<'a> {
+    /// As it is called in messages.
+    pub name: &'a str,
+    /// What stands in it.
+    pub text: &'a str,
+}
+
+impl PlanReport {
+    /// Puts together what is told of a comparison.
+    pub fn new(
+        model: &Model,
+        file: PlanFile,
+        plan: &Alternatives,
+        comparison: &Comparison,
+        warnings: &[Fault],
+    ) -> Self {
+        let mut lines = Lines::new(file);
+        let rows = comparison.rows.iter().map(|row| self::row(row, plan, &mut lines));
+        Self {
+            schema: PLAN_SCHEMA,
+            version: env!("CARGO_PKG_VERSION"),
+            notice: NOTICE,
+            case: model.name.clone(),
+            plan: plan.name.clone(),
+            pressure_mmhg: model.pressure_mpa / MMHG_MPA,
+            mesh: MeshSize {
+                vertices: model.rest_mm.len(),
+                faces: model.faces.len(),
+                chords: model.chords.ends.len(),
+            },
+            ranking: plan
+                .criteria
+                .iter()
+                .map(|&criterion| ranking(criterion))
+                .collect(),
+            before: closed(&comparison.before),
+            alternatives: rows.collect(),
+            warnings: warnings.iter().map(sentence).collect(),
+        }
+    }
+
+    /// Whether all that was computed may be used.
+    pub fn certified(&self) -> bool {
+        let rows = self.alternatives.iter().filter_map(|row| row.closed.as_ref());
+        rows.chain([&self.before]).all(|closed| closed.solve.certified)
+    }
+
+    /// Whether no alternative could be carried out.
+    pub fn all_refused(&self) -> bool {
+        self.alternatives.iter().all(|row| row.closed.is_none())
+    }
+
+    /// As one JSON object, indented, with a line break at its end.
+    ///
+    /// # Errors
+    /// None that the types allow; numbers that are not finite would be written as `null`.
+    pub fn json(&self) -> Result<String, Fault> {
+        let text = serde_json::to_string_pretty(self);
+        text.map(|text| text + "\n")
+            .map_err(|error| Fault::error("report", error.to_string()))
+    }
+}
+
+fn ranking(criterion: Criterion) -> Ranking {
+    Ranking {
+        criterion,
+        bin: criterion.noise(),
+        unit: criterion.unit(),
+    }
+}
+
+fn row(row: &coapt::plan::Row, plan: &Alternatives, lines: &mut Lines) -> Row {
+    let alternative = &plan.alternatives[row.alternative];
+    let keys = &plan.keys[row.alternative];
+    let (faults, warnings) = match &row.result {
+        Ok(outcome) => {
+            let told = outcome.warnings.iter();
+            (
+                Vec::new(),
+                told.map(|(number, fault)| lines.told(&keys[*number], fault))
+                    .collect(),
+            )
+        }
+        Err(refusal) => {
+            let key = &keys[refusal.repair];
+            let told = refusal.faults.iter();
+            (told.map(|fault| lines.told(key, fault)).collect(), Vec::new())
+        }
+    };
+    Row {
+        rank: row.rank,
+        number: row.alternative + 1,
+        name: alternative.name.clone(),
+        repairs: alternative.repairs.clone(),
+        faults,
+        warnings,
+        closed: row.result.as_ref().ok().map(closed),
+    }
+}
+
+fn closed(outcome: &Outcome) -> Closed {
+    let certificate = &outcome.certificate;
+    Closed {
+        solve: Trust {
+            certified: outcome.is_certified(),
+            status: outcome.status,
+            residual: certificate.residual,
+            iterations: outcome.iterations,
+            stable: certificate.stable,
+            crossings: certificate.crossings.len(),
+            max_penetration_mm: certificate.max_penetration_mm,
+            discretisation_mm: certificate.discretisation_mm,
+        },
+        measures: outcome.measures.clone(),
+    }
+}
+
+/// A fault of a repair, whose place begins with its kind (`ring.size_mm`), with the key in the plan
+/// (`alternative[0].repair[1].size_mm`).
+pub fn in_plan(key: &str, fault: &Fault) -> Fault {
+    let rest = fault.place.find('.').map_or("", |dot| &fault.place[dot..]);
+    Fault {
+        place: format!("{key}{rest}"),
+        ..fault.clone()
+    }
+}
+
+/// Lines of keys, each sought once: thousands of alternatives speak of the same.
+struct Lines<'a> {
+    file: PlanFile<'a>,
+    known: BTreeMap<String, Option<usize>>,
+}
+
+impl<'a> Lines<'a> {
+    fn new(file: PlanFile<'a>) -> Self {
+        Self {
+            file,
+            known: BTreeMap::new(),
+        }
+    }
+
+    /// `plan.toml:12: alternative[0].repair[0].size_mm is 3 mm; expected ...`
+    fn told(&mut self, key: &str, fault: &Fault) -> String {
+        let fault = in_plan(key, fault);
+        let PlanFile { name, text } = self.file;
+        let line = self
+            .known
+            .entry(fault.place.clone())
+            .or_insert_with_key(|place| locate(text, place));
+        match line {
+            Some(line) => format!("{name}:{line}: {}", sentence(&fault)),
+            None => format!("{name}: {}", sentence(&fault)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,232 @@
+//! What is told of a small comparison, and its files.
+
+use std::path::Path;
+use std::path::PathBuf;
+
+use coapt::mesh::parametric::{Preset, ValveParameters, generate};
+use coapt::plan::{Settings, compare};
+
+use super::*;
+use crate::mesh::read_mesh;
+use crate::scene::alternatives_from_text;
+
+/// Two rings that hold, one of which widens the annulus, and one of 10 mm, which belongs to no mitral valve.
+const PLAN: &str = "schema_version = 1\nname = \"rings\"\n[[alternative]]\n[[alternative.repair]]\nkind = \"ring\"\n\
+                    family = \"saddle\"\nsize_mm = [28, 10, 44]\n";
+const FILE: PlanFile = PlanFile {
+    name: "plan.toml",
+    text: PLAN,
+};
+
+struct Compared {
+    model: Model,
+    plan: Alternatives,
+    comparison: Comparison,
+}
+
+fn compared() -> Compared {
+    let parameters = ValveParameters {
+        face_count_target: 200,
+        name: "a, \"b\"".into(),
+        ..ValveParameters::preset(Preset::Dilated)
+    };
+    let model = Model::build(&generate(&parameters).unwrap()).unwrap().model;
+    let (plan, _) = alternatives_from_text(Path::new("plan.toml"), PLAN, 10).unwrap();
+    let settings = Settings {
+        keep_positions: true,
+        ..Settings::default()
+    };
+    let comparison = compare(&model, &plan.alternatives, &settings);
+    Compared {
+        model,
+        plan,
+        comparison,
+    }
+}
+
+fn report(of: &Compared) -> PlanReport {
+    PlanReport::new(
+        &of.model,
+        FILE,
+        &of.plan,
+        &of.comparison,
+        &[Fault::warning("scene.toml:3", "leaflets: turned")],
+    )
+}
+
+/// As if the first ranked alternative had not been certified.
+fn spoilt() -> PlanReport {
+    let mut compared = compared();
+    let row = &mut compared.comparison.rows[0];
+    row.rank = None;
+    row.result.as_mut().unwrap().status = Status::Stalled;
+    report(&compared)
+}
+
+#[test]
+fn the_table_has_before_then_ranks_then_what_failed_and_why() {
+    let text = text(&report(&compared()));
+    let at = |words: &str| text.find(words).unwrap_or_else(|| panic!("{words}: {text}"));
+    assert!(
+        text.starts_with("a, \"b\": 3 alternatives compared at 100 mmHg"),
+        "{text}"
+    );
+    let order = [
+        "ranked by: orifice",
+        "before ",
+        "   1  ring 28 ",
+        "   2  ring 44 ",
+        "not ranked",
+        "   -  ring 10\n",
+    ];
+    let places: Vec<usize> = order.iter().map(|words| at(words)).collect();
+    assert!(places.is_sorted(), "{places:?} {text}");
+    assert!(
+        at("FAILED: plan.toml:7: alternative[0].repair[0].size_mm: 10 mm is") > at("ring 10\n"),
+        "{text}"
+    );
+    assert!(
+        at("warning: scene.toml:3: leaflets: turned") < at("warning: ring 44: plan.toml:4: alternative"),
+        "{text}"
+    );
+    assert!(text.ends_with("\nresearch use, not a medical device\n"), "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    // Values and changes stand under their heads.
+    let ends = |start: &str| {
+        text.lines()
+            .find(|line| line.starts_with(start))
+            .map(|line| line.chars().count())
+    };
+    assert_eq!(ends("rank  "), ends("   1  "), "{text}");
+}
+
+/// Names differ at their ends: none is cut.
+#[test]
+fn a_long_name_has_a_line_of_its_own() {
+    let mut report = report(&compared());
+    let short = text(&report);
+    let values = short
+        .lines()
+        .find(|line| line.starts_with("   1  ring 28 "))
+        .unwrap();
+    report.alternatives[0].name = "long ".repeat(9) + "28";
+    let long = text(&report);
+    let start = format!("   1  {}28\n{:36}", "long ".repeat(9), "");
+    assert!(long.contains(&(start + &values[36..])), "{long}");
+}
+
+#[test]
+fn what_is_not_certified_is_marked_and_out_of_the_ranking() {
+    let report = spoilt();
+    assert!(!report.certified() && !report.all_refused());
+    let text = text(&report);
+    assert!(
+        text.contains("      NOT CERTIFIED: the solver made no progress any more\n"),
+        "{text}"
+    );
+    let line = csv(&report);
+    let line = line
+        .lines()
+        .find(|line| line.contains("ring 28"))
+        .unwrap()
+        .to_owned();
+    assert!(
+        line.starts_with("1,,ring 28,false,stalled,the solver made no progress any more,"),
+        "{line}"
+    );
+    assert!(
+        !long_csv(&report).contains("ring 28"),
+        "a line there cannot carry a mark"
+    );
+}
+
+#[test]
+fn tables_are_whole_and_agree_with_the_json() {
+    let report = report(&compared());
+    let json: serde_json::Value = serde_json::from_str(&report.json().unwrap()).unwrap();
+    let csv = csv(&report);
+    let mut lines = csv.lines();
+    let heads: Vec<&str> = lines.next().unwrap().split(',').collect();
+    for head in [
+        "orifice.area_mm2",
+        "leaflets.anterior.strain_p95",
+        "annulus_force_n.2",
+    ] {
+        assert!(heads.contains(&head), "{heads:?}");
+    }
+    let before: Vec<&str> = lines.next().unwrap().split(',').collect();
+    assert_eq!(before[..3], ["0", "", "before"]);
+    for line in lines.clone().filter(|line| !line.contains("refused")) {
+        assert_eq!(line.split(',').count(), heads.len(), "{line}");
+    }
+    let refused = lines.clone().last().unwrap();
+    assert!(refused.starts_with("2,,ring 10,false,refused,"), "{refused}");
+    // Each number is the one of the JSON, to the last digit.
+    let column = heads.iter().position(|head| *head == "orifice.area_mm2").unwrap();
+    let area: f64 = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .nth(column)
+        .unwrap()
+        .parse()
+        .unwrap();
+    assert_eq!(
+        json["alternatives"][0]["orifice"]["area_mm2"].as_f64(),
+        Some(area)
+    );
+    assert_eq!(json["alternatives"][0]["repairs"][0]["size_mm"], 28.0);
+    assert_eq!(json["alternatives"][2]["rank"], serde_json::Value::Null);
+    assert_eq!(json["ranking"][0]["bin"], 8.0);
+    let long = long_csv(&report);
+    assert!(
+        long.starts_with(
+            "Filename,Phase,Measurement,Value\n\"a, \"\"b\"\": before\",MS,ValveType,MitralValve\n"
+        ),
+        "{long}"
+    );
+    let units = units_csv();
+    // Each measure of three closures has its unit.
+    assert_eq!(long.lines().count(), 1 + 3 * units.lines().count());
+    for line in long.lines().skip(1).filter(|line| !line.contains("ValveType")) {
+        let measurement = line.rsplit(',').nth(1).unwrap();
+        assert!(
+            units
+                .lines()
+                .any(|unit| unit.starts_with(&format!("{measurement},"))),
+            "{line}"
+        );
+    }
+}
+
+#[test]
+fn files_replace_those_of_an_earlier_comparison_and_nothing_else() {
+    let folder: PathBuf = std::env::temp_dir().join(format!("coapt-plan-{}", std::process::id()));
+    let compared = compared();
+    let report = report(&compared);
+    let write = |comparison: &Comparison| {
+        write_plan(&folder, &report, &compared.model, &compared.plan, comparison).unwrap();
+        let mut names: Vec<String> = std::fs::read_dir(folder.join("shapes"))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    };
+    let shapes = ["0000_before.vtp", "0001_ring-28.vtp", "0003_ring-44.vtp"];
+    assert_eq!(write(&compared.comparison), shapes);
+    let first = std::fs::read(folder.join("plan.json")).unwrap();
+    let (shape, _) = read_mesh(&folder.join("shapes/0001_ring-28.vtp")).unwrap();
+    assert_eq!(shape.triangles, compared.model.faces);
+    std::fs::write(folder.join("shapes/mine.vtp"), "").unwrap();
+    let mut without = compared.comparison.clone();
+    without.before.positions_mm.clear();
+    without
+        .rows
+        .iter_mut()
+        .flat_map(|row| &mut row.result)
+        .for_each(|outcome| outcome.positions_mm.clear());
+    assert_eq!(write(&without), ["mine.vtp"]);
+    assert_eq!(first, std::fs::read(folder.join("plan.json")).unwrap());
+    let _ = std::fs::remove_dir_all(folder);
+}

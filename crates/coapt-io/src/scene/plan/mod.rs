@@ -1,0 +1,196 @@
+//! Plans: repairs that every alternative has, alternatives, and lists and ranges of values that make many of one.
+
+mod names;
+mod read;
+mod sweep;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use coapt::model::size::grouped;
+use coapt::plan::{Alternative, Criterion};
+use coapt::scene::{Fault, Plan, Repair, SCHEMA_VERSION, Space};
+
+use super::files::Files;
+use super::{finish, folder_of, read_text};
+use read::{Block, Document};
+
+/// The alternatives of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alternatives {
+    /// What the plan is called.
+    pub name: String,
+    /// In the order of the file; of lists of values, the first key in the order of letters changes most slowly.
+    pub alternatives: Vec<Alternative>,
+    /// Where each repair stands in the file, `repair[0]` or `alternative[2].repair[0]`, shape `[alternative][repair]`.
+    pub keys: Vec<Vec<String>>,
+    /// What ranks them.
+    pub criteria: Vec<Criterion>,
+}
+
+/// More alternatives are refused unless more are asked for: half an hour of closures of small valves (our choice).
+pub const ALTERNATIVE_LIMIT: u64 = 10_000;
+
+/// Reads a plan of one alternative and the ring curves that it names; the second part are the warnings.
+///
+/// # Errors
+/// All faults found, errors and warnings, up to twenty of each, if one of them is an error.
+pub fn read_plan(path: &Path) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
+    let text = read_text(path).map_err(|fault| vec![fault])?;
+    plan_from_text(path, &text)
+}
+
+/// The same with the text at hand.
+///
+/// # Errors
+/// As [`read_plan`].
+pub fn plan_from_text(path: &Path, text: &str) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
+    let (mut only, warnings) = alternative_from_text(path, text)?;
+    let plan = Plan {
+        schema_version: SCHEMA_VERSION,
+        name: only.name,
+        repair: only.alternatives.remove(0).repairs,
+    };
+    Ok((plan, warnings))
+}
+
+/// The same with where the repairs stand.
+///
+/// # Errors
+/// As [`read_plan`].
+pub fn alternative_from_text(path: &Path, text: &str) -> Result<(Alternatives, Vec<Fault>), Vec<Fault>> {
+    read(path, text, 1, |count| {
+        format!("has {count} alternatives; expected one (`coapt plan SCENE PLAN` compares several)")
+    })
+}
+
+/// All alternatives of a plan with the ring curves that they name, `limit` at most; the second part are the warnings.
+///
+/// # Errors
+/// As [`read_plan`]; more alternatives than the limit, which are counted before they are made.
+pub fn alternatives_from_text(
+    path: &Path,
+    text: &str,
+    limit: u64,
+) -> Result<(Alternatives, Vec<Fault>), Vec<Fault>> {
+    read(path, text, limit, |count| {
+        let most = told(limit);
+        format!(
+            "has {count} alternatives, the product of its lists and ranges; expected {most} at most (--max-alternatives)"
+        )
+    })
+}
+
+fn read(
+    path: &Path,
+    text: &str,
+    limit: u64,
+    too_many: impl FnOnce(&str) -> String,
+) -> Result<(Alternatives, Vec<Fault>), Vec<Fault>> {
+    let name = path.display().to_string();
+    let mut document = read::document(&name, text)?;
+    let count = document.count();
+    if count > limit {
+        let told = told(count);
+        return Err(vec![Fault::error(name, too_many(&told))]);
+    }
+    document.expand(&name, text)?;
+    let mut files = Files::new(folder_of(path), Space::LPS, u32::MAX);
+    let made = alternatives(document, &mut files);
+    files.judge_frames();
+    finish(made, &name, text, files)
+}
+
+fn told(count: u64) -> String {
+    match count {
+        u64::MAX => "more than 10^19".to_owned(),
+        _ => grouped(usize::try_from(count).unwrap_or(usize::MAX)),
+    }
+}
+
+/// All combinations.
+fn alternatives(document: Document, files: &mut Files) -> Alternatives {
+    let mut called = names::Names::new(&document);
+    let mut made = Alternatives {
+        name: document.name,
+        alternatives: Vec::new(),
+        keys: Vec::new(),
+        criteria: document.criteria,
+    };
+    let common = combinations(document.common, files);
+    for block in document.blocks {
+        let name = block.name.clone();
+        let own = combinations(block, files);
+        let is_one = common.len() * own.len() == 1;
+        for first in &common {
+            for then in &own {
+                let parts = || first.iter().chain(then);
+                made.alternatives.push(Alternative {
+                    name: called.name(
+                        name.as_deref(),
+                        is_one,
+                        first.iter().map(|part| &part.called),
+                        then.iter().map(|part| &part.called),
+                    ),
+                    repairs: parts().map(|part| part.repair.clone()).collect(),
+                });
+                made.keys.push(parts().map(|part| part.key.clone()).collect());
+            }
+        }
+    }
+    made
+}
+
+/// A repair with all its values.
+#[derive(Clone)]
+struct Part {
+    key: String,
+    repair: Repair,
+    called: names::Called,
+}
+
+/// The product of what each repair of a block may be; of none, one combination with nothing in it.
+fn combinations(block: Block, files: &mut Files) -> Vec<Vec<Part>> {
+    let mut all = vec![Vec::new()];
+    for place in block.repairs {
+        let called: Vec<_> = place
+            .sweeps
+            .tables(&place.table)
+            .map(|table| names::called(&table))
+            .collect();
+        let mut variants: Vec<Part> = Vec::new();
+        for (mut repair, called) in place.variants.into_iter().zip(called) {
+            fill(&place.key, &mut repair, files);
+            variants.push(Part {
+                key: place.key.clone(),
+                repair,
+                called,
+            });
+        }
+        let with = |so_far: &Vec<Part>| -> Vec<Vec<Part>> {
+            let and = |next: &Part| so_far.iter().chain([next]).cloned().collect();
+            variants.iter().map(and).collect()
+        };
+        all = all.iter().flat_map(with).collect();
+    }
+    all
+}
+
+/// Reads the files that a repair names.
+fn fill(key: &str, repair: &mut Repair, files: &mut Files) {
+    match repair {
+        Repair::Ring(ring) => {
+            let key = format!("{key}.curve_file");
+            let Some(file) = ring.curve_file.take() else {
+                return;
+            };
+            if ring.curve_mm.is_some() {
+                files.error(&key, "is given beside `curve_mm`; expected one of the two");
+            } else if let Some(curve) = files.curve(&key, &file) {
+                ring.closed.get_or_insert(curve.closed);
+                ring.curve_mm = Some(curve.points_mm);
+            }
+        }
+    }
+}

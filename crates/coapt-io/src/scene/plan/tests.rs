@@ -1,0 +1,284 @@
+//! What lists and ranges make of a plan, in which order and by which names, and what is refused.
+
+use super::*;
+
+const START: &str = "schema_version = 1\nname = \"p\"\n";
+
+fn read_all(text: &str) -> Result<Alternatives, Vec<String>> {
+    let told = |faults: Vec<Fault>| faults.iter().map(super::super::sentence).collect();
+    let read = alternatives_from_text(Path::new("p.toml"), text, ALTERNATIVE_LIMIT);
+    read.map(|(read, _)| read).map_err(told)
+}
+
+fn faults(text: &str) -> Vec<String> {
+    read_all(&format!("{START}{text}")).unwrap_err()
+}
+
+fn made(text: &str) -> Alternatives {
+    read_all(&format!("{START}{text}")).unwrap_or_else(|faults| panic!("{faults:#?}"))
+}
+
+fn names(made: &Alternatives) -> Vec<&str> {
+    made.alternatives.iter().map(|it| it.name.as_str()).collect()
+}
+
+/// A repair as its file would have it.
+fn keys_of(repair: &Repair) -> serde_json::Value {
+    serde_json::to_value(repair).unwrap()
+}
+
+/// Sizes of all rings of each alternative [mm].
+fn sizes(made: &Alternatives) -> Vec<Vec<f64>> {
+    let of = |repair: &Repair| keys_of(repair)["size_mm"].as_f64().unwrap();
+    let all = made.alternatives.iter();
+    all.map(|it| it.repairs.iter().map(of).collect()).collect()
+}
+
+const RING: &str = "[[alternative.repair]]\nkind = \"ring\"\nfamily = \"saddle\"\n";
+
+#[test]
+fn a_plan_without_alternatives_is_one() {
+    let made = made("[[repair]]\nkind = \"ring\"\nfamily = \"saddle\"\nsize_mm = 28\n");
+    assert_eq!(made.name, "p");
+    assert_eq!((names(&made), sizes(&made)), (vec!["ring"], vec![vec![28.0]]));
+    assert_eq!(made.keys, [["repair[0]"]]);
+    assert_eq!(made.criteria, Criterion::ALL);
+}
+
+/// Lists multiply; the first key changes most slowly; each alternative begins with the common repairs.
+#[test]
+fn lists_make_the_product_in_order_with_names() {
+    let text = format!(
+        "[[repair]]\nkind = \"ring\"\nfamily = \"saddle\"\nsize_mm = 40\n[[alternative]]\n[[alternative.repair]]\nkind = \"ring\"\n\
+         family = [\"saddle\", \"physio-like\"]\nsize_mm = [30, 28.5]\n[[alternative]]\nname = \"the big one\"\n{RING}size_mm = 32\n"
+    );
+    let made = made(&text);
+    assert_eq!(
+        names(&made),
+        [
+            "ring saddle 30",
+            "ring saddle 28.5",
+            "ring physio-like 30",
+            "ring physio-like 28.5",
+            "the big one"
+        ]
+    );
+    let expected = [30.0, 28.5, 30.0, 28.5, 32.0].map(|mm| vec![40.0, mm]);
+    assert_eq!(sizes(&made), expected);
+    assert_eq!(made.keys[3], ["repair[0]", "alternative[0].repair[0]"]);
+    assert_eq!(made.keys[4], ["repair[0]", "alternative[1].repair[0]"]);
+}
+
+#[test]
+fn common_lists_multiply_with_alternatives() {
+    let text = "[[repair]]\nkind = \"ring\"\nfamily = \"saddle\"\nsize_mm = [28, 30]\n[[alternative]]\n\
+                [[alternative]]\n[[alternative.repair]]\nkind = \"ring\"\nfamily = \"saddle\"\nsize_mm = 26\n";
+    let made = made(text);
+    assert_eq!(
+        names(&made),
+        ["ring 28", "ring 30", "ring 28 + ring", "ring 30 + ring"]
+    );
+    assert_eq!(
+        sizes(&made),
+        [vec![28.0], vec![30.0], vec![28.0, 26.0], vec![30.0, 26.0]]
+    );
+}
+
+#[test]
+fn names_are_given_once_and_say_what_a_named_list_holds() {
+    let twice = format!("[[alternative]]\n{RING}size_mm = 28\n").repeat(2);
+    assert_eq!(names(&made(&twice)), ["ring", "ring (2)"]);
+    let named = format!(
+        "[[alternative]]\nname = \"tight\\nones\"\n{RING}size_mm = [26, 28]\nplaced = [true, false]\n"
+    );
+    assert_eq!(
+        names(&made(&named)),
+        [
+            "tight ones: ring placed 26",
+            "tight ones: ring placed 28",
+            "tight ones: ring not placed 26",
+            "tight ones: ring not placed 28"
+        ]
+    );
+}
+
+/// Whole numbers stay whole, tenths stay tenths, and the end is in it although sums of tenths miss it.
+#[test]
+fn ranges_count_to_their_end() {
+    let with = |range: &str| made(&format!("[[alternative]]\n{RING}size_mm = {range}\n"));
+    let whole = with("{ from = 26, to = 33, step = 2 }");
+    assert_eq!(sizes(&whole), [[26.0], [28.0], [30.0], [32.0]]);
+    assert_eq!(names(&whole)[1], "ring 28");
+    let tenths = with("{ from = 28, to = 28.3, step = 0.1 }");
+    assert_eq!(sizes(&tenths), [[28.0], [28.1], [28.2], [28.3]]);
+    assert_eq!(names(&tenths)[3], "ring 28.3");
+    assert_eq!(sizes(&with("{ from = 28, to = 28, step = 1 }")), [[28.0]]);
+}
+
+/// A curve is a list by nature: one ring, not four.
+#[test]
+fn points_and_curves_are_no_lists_of_values() {
+    let curve = "curve_mm = [[10, 0, 0], [0, 10, 0], [-10, 0, 0], [0, -10, 0]]\n";
+    let made = made(&format!(
+        "[[alternative]]\n[[alternative.repair]]\nkind = \"ring\"\n{curve}"
+    ));
+    assert_eq!(names(&made), ["ring"]);
+    let ring = keys_of(&made.alternatives[0].repairs[0]);
+    assert_eq!(ring["curve_mm"].as_array().unwrap().len(), 4);
+    // With one value of a wrong type it is a wrong curve, not a list of four.
+    let wrong = faults(&format!(
+        "[[alternative]]\n[[alternative.repair]]\nkind = \"ring\"\n{}",
+        curve.replace("[0, 10, 0]", "\"x\"")
+    ));
+    assert!(
+        wrong[0].contains("p.toml:6") && wrong[0].contains("invalid type: string"),
+        "{wrong:?}"
+    );
+}
+
+#[test]
+fn the_count_is_refused_before_anything_is_made() {
+    let range = "{ from = 20, to = 40, step = 0.001 }";
+    let told = faults(&format!("[[alternative]]\n{RING}size_mm = {range}\n"));
+    assert_eq!(
+        told,
+        [
+            "p.toml has 20,001 alternatives, the product of its lists and ranges; expected 10,000 at most (--max-alternatives)"
+        ]
+    );
+    // Any of these would fill any memory.
+    let endless = format!("{RING}size_mm = {{ from = 0, to = 1e300, step = 1e-300 }}\n").repeat(3);
+    let told = faults(&format!("[[alternative]]\n{endless}[[alternative]]\n{endless}"));
+    assert!(told[0].contains("has more than 10^19 alternatives"), "{told:?}");
+    let text = format!("{START}[[alternative]]\n{RING}size_mm = [26, 28]\n");
+    let told = plan_from_text(Path::new("p.toml"), &text).unwrap_err();
+    assert_eq!(
+        told[0].message,
+        "has 2 alternatives; expected one (`coapt plan SCENE PLAN` compares several)"
+    );
+    assert_eq!(
+        plan_from_text(Path::new("p.toml"), &text.replace(", 28", ""))
+            .unwrap()
+            .0
+            .repair
+            .len(),
+        1
+    );
+}
+
+/// Every fault of a list or range has the line of its key or item, and of an alternative those that a plan of one has.
+#[test]
+fn faults_have_lines() {
+    let start = "[[alternative]]\n[[alternative.repair]]\nkind = \"ring\"\nfamily = \"saddle\"\n";
+    for (wrong, told) in [
+        (
+            "size_mm = []",
+            "p.toml:7 alternative[0].repair[0].size_mm is an empty list; expected one value at least",
+        ),
+        (
+            "size_mm = { from = 30, to = 26, step = 2 }",
+            "p.toml:7 alternative[0].repair[0].size_mm is a range from 30 to 26 in steps of 2; expected a step above 0 and an end \
+             not below the start",
+        ),
+        (
+            "size_mm = { from = 26, to = 30 }",
+            "p.toml:7 alternative[0].repair[0].size_mm is a range without a number as `step`; expected from, to and step",
+        ),
+        (
+            "size_mm = { from = 26, to = 30, by = 2 }",
+            "p.toml:7 alternative[0].repair[0].size_mm has the key `by`; a range has from, to and step",
+        ),
+        (
+            "size_mm = [26,\n 28,\n \"30\"]",
+            "p.toml:9 alternative[0].repair[0].size_mm[2]: invalid type: string \"30\", expected a number",
+        ),
+        (
+            "size_mm = [\"26\", 28]",
+            "p.toml:7:12: size_mm: invalid type: string \"26\", expected a number",
+        ),
+        (
+            "size = [26, 28]",
+            "p.toml:7:1: unknown key `size`; did you mean `size_mm`?",
+        ),
+        (
+            "size_mm = [26, 28]\n[[alternatives]]",
+            "p.toml:8:3: unknown key `alternatives`; did you mean `alternative`?",
+        ),
+        (
+            "size_mm = 26\ncurve_file = [\"a.json\", \"../b.json\"]",
+            "p.toml:8 alternative[0].repair[0].curve_file",
+        ),
+        (
+            "size_mm = 26\n[ranking]\ncriteria = [\"orifice\", \"coaptation\"]",
+            "p.toml:9:24: unknown value `coaptation`; did you mean `coaptation_length`?",
+        ),
+        (
+            "size_mm = 26\n[ranking]\ncriteria = [\"orifice\", \"orifice\"]",
+            "p.toml:9 ranking.criteria has `orifice` twice; expected each once",
+        ),
+        (
+            "size_mm = 26\n[ranking]\ncriteria = []",
+            "p.toml:9 ranking.criteria is an empty list; expected some of orifice, coaptation_length, chord_force, strain",
+        ),
+    ] {
+        let faults = faults(&format!("{start}{wrong}\n"));
+        assert!(
+            faults[0]
+                .replace(": alt", " alt")
+                .replace(": rank", " rank")
+                .starts_with(told),
+            "{wrong}: {faults:#?}"
+        );
+    }
+    let family = faults(
+        "[[alternative]]\n[[alternative.repair]]\nkind = \"ring\"\nfamily = [\"saddle\", \"sadle\"]\nsize_mm = 3\n",
+    );
+    assert!(
+        family[0].contains("p.toml:6") && family[0].contains("did you mean `saddle`?"),
+        "{family:?}"
+    );
+}
+
+#[test]
+fn criteria_are_those_of_the_plan() {
+    let made = made("[ranking]\ncriteria = [\"strain\", \"orifice\"]\n");
+    assert_eq!(made.criteria, [Criterion::Strain, Criterion::Orifice]);
+    assert_eq!(names(&made), ["no repair"]);
+}
+
+/// JSON makes the same alternatives; its faults have keys instead of lines.
+#[test]
+fn json_is_read_as_toml_is() {
+    let json = |size: &str| {
+        format!(
+            "{{\"schema_version\": 1, \"name\": \"p\", \"alternative\": [{{\"repair\": [{{\"kind\": \"ring\",\n\
+             \"family\": \"saddle\", \"closed\": null, \"size_mm\": {size}}}]}}]}}"
+        )
+    };
+    let toml = |size: &str| made(&format!("[[alternative]]\n{RING}size_mm = {size}\n"));
+    assert_eq!(read_all(&json("[26, 28]")).unwrap(), toml("[26, 28]"));
+    let range = "{\"from\": 26, \"to\": 27, \"step\": 0.5}";
+    assert_eq!(
+        read_all(&json(range)).unwrap(),
+        toml("{ from = 26, to = 27, step = 0.5 }")
+    );
+    assert_eq!(read_all(&json("30")).unwrap(), toml("30"));
+    for (size, told) in [
+        (
+            "[26, \"28\"]",
+            "p.toml: alternative[0].repair[0].size_mm[1]: invalid type: string \"28\", expected a number",
+        ),
+        (
+            "[]",
+            "p.toml: alternative[0].repair[0].size_mm is an empty list; expected one value at least",
+        ),
+        (
+            "[26], \"sze\": 1",
+            "p.toml: alternative[0].repair[0].sze: unknown key `sze`",
+        ),
+        ("26, \"sze\": 1", "p.toml:2:61: unknown key `sze`"),
+    ] {
+        let faults = read_all(&json(size)).unwrap_err();
+        assert!(faults[0].starts_with(told), "{size}: {faults:#?}");
+    }
+}

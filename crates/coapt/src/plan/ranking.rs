@@ -1,0 +1,60 @@
+//! The order of alternatives: certified ones by the criteria, then the others.
+
+use std::cmp::Ordering;
+
+use super::{Criterion, Outcome, Row};
+
+/// Sorts rows and gives certified ones their places.
+///
+/// Places are those of the bins of each criterion in turn. Rows that no bin tells apart share a place and stand in the order
+/// of the values themselves, then of their numbers: a total order, whatever the rows come in.
+pub(super) fn rank(rows: &mut [Row], criteria: &[Criterion]) {
+    rows.sort_by(|a, b| match (certified(a), certified(b)) {
+        (Some(one), Some(other)) => by_bins(one, other, criteria)
+            .then_with(|| by_costs(one, other, criteria))
+            .then(a.alternative.cmp(&b.alternative)),
+        _ => group(a).cmp(&group(b)).then(a.alternative.cmp(&b.alternative)),
+    });
+    let mut rank = 0;
+    for index in 0..rows.len() {
+        let Some(outcome) = certified(&rows[index]) else {
+            break;
+        };
+        let is_tie = index > 0
+            && certified(&rows[index - 1])
+                .is_some_and(|better| by_bins(better, outcome, criteria) == Ordering::Equal);
+        if !is_tie {
+            rank = index + 1;
+        }
+        rows[index].rank = Some(rank);
+    }
+}
+
+fn certified(row: &Row) -> Option<&Outcome> {
+    row.result.as_ref().ok().filter(|outcome| outcome.is_certified())
+}
+
+/// Certified, not certified, not carried out.
+fn group(row: &Row) -> u8 {
+    match &row.result {
+        Ok(outcome) if outcome.is_certified() => 0,
+        Ok(_) => 1,
+        Err(_) => 2,
+    }
+}
+
+fn by_bins(a: &Outcome, b: &Outcome, criteria: &[Criterion]) -> Ordering {
+    let bins = |outcome: &Outcome| -> Vec<u64> {
+        let bin = |criterion: &Criterion| criterion.bin(&outcome.measures);
+        criteria.iter().map(bin).collect()
+    };
+    bins(a).cmp(&bins(b))
+}
+
+fn by_costs(a: &Outcome, b: &Outcome, criteria: &[Criterion]) -> Ordering {
+    let compared = criteria.iter().map(|criterion| {
+        let [one, other] = [a, b].map(|outcome| criterion.cost(&outcome.measures));
+        one.total_cmp(&other)
+    });
+    compared.fold(Ordering::Equal, Ordering::then)
+}
