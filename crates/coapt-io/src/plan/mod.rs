@@ -243,7 +243,7 @@ fn closed(outcome: &Outcome) -> Closed {
 /// A fault of a repair, whose place begins with its kind (`ring.size_mm`), with the key in the plan
 /// (`alternative[0].repair[1].size_mm`).
 pub fn in_plan(key: &str, fault: &Fault) -> Fault {
-    let rest = fault.place.find('.').map_or("", |dot| &fault.place[dot..]);
+    let rest = fault.place.find(['.', ' ']).map_or("", |at| &fault.place[at..]);
     Fault {
         place: format!("{key}{rest}"),
         ..fault.clone()

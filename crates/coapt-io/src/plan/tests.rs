@@ -230,3 +230,15 @@ fn files_replace_those_of_an_earlier_comparison_and_nothing_else() {
     assert_eq!(first, std::fs::read(folder.join("plan.json")).unwrap());
     let _ = std::fs::remove_dir_all(folder);
 }
+
+#[test]
+fn places_in_a_repair_become_places_in_the_plan() {
+    for (place, there) in [
+        ("ring", "repair[1]"),
+        ("ring.size_mm", "repair[1].size_mm"),
+        ("ring.curve_mm point 3", "repair[1].curve_mm point 3"),
+        ("clip vertex 3.5", "repair[1] vertex 3.5"),
+    ] {
+        assert_eq!(in_plan("repair[1]", &Fault::error(place, "x")).place, there);
+    }
+}
