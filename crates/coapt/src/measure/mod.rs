@@ -23,7 +23,7 @@ mod raster;
 mod seal;
 pub(crate) mod side;
 mod spanning;
-mod statistics;
+pub(crate) mod statistics;
 mod surface;
 #[cfg(test)]
 mod test_models;

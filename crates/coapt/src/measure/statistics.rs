@@ -57,7 +57,7 @@ impl DistanceStatistics {
 
 /// Percentile with linear interpolation between ranks (type 7 of Hyndman & Fan 1996, the default of numpy and R); zero
 /// of no values.
-pub(super) fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
+pub(crate) fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let Some(last) = values.len().checked_sub(1) else {
         return 0.0;

@@ -1,6 +1,7 @@
 //! Many surgical alternatives for one valve, each closed from its open state, ranked by stated criteria.
 
 mod criteria;
+pub mod ensemble;
 mod ranking;
 
 use std::ops::ControlFlow;

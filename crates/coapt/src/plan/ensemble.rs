@@ -1,0 +1,462 @@
+//! How far an answer depends on what is not known: the same plan on many valves that an image could not tell from the given one.
+
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::Rng;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::{Outcome, Refusal, Watch, apply_all, closed};
+use crate::Vec3;
+use crate::measure::Measures;
+use crate::measure::statistics::percentile;
+use crate::model::Model;
+use crate::scene::{Fault, Repair};
+
+/// What is not known of a valve, as standard deviations of normal distributions; beyond three of them nothing is drawn.
+///
+/// The defaults are our choice but for their sizes: three-dimensional echo resolves 0.5 to 1 mm, and nobody measures the length of
+/// a patient's chordae or his tissue.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Uncertainty {
+    /// Length of each chord by itself, as a part of it [1].
+    pub chord_length: f64,
+    /// Length of all chordae together, as a part of it [1].
+    pub chord_length_common: f64,
+    /// Strain at which tissue made of springs stiffens, as a part of it [1]; membranes keep their laws.
+    pub transition_strain: f64,
+    /// Where the annulus stands in systole, at each of its points, in each direction [mm]; smooth along the annulus, as errors
+    /// of a drawn curve are.
+    pub annulus_mm: f64,
+    /// Where each papillary muscle stands in systole, with all its tips, in each direction [mm].
+    pub papillary_mm: f64,
+    /// Pressure, as a part of it [1].
+    pub pressure: f64,
+}
+
+impl Default for Uncertainty {
+    fn default() -> Self {
+        Self {
+            chord_length: 0.03,
+            chord_length_common: 0.03,
+            transition_strain: 0.1,
+            annulus_mm: 0.7,
+            papillary_mm: 0.7,
+            pressure: 0.1,
+        }
+    }
+}
+
+impl Uncertainty {
+    /// Standard deviations that make no sense, with their keys.
+    ///
+    /// # Errors
+    /// All of them.
+    pub fn check(&self) -> Result<(), Vec<Fault>> {
+        let given = [
+            ("chord_length", self.chord_length, LARGEST_PART),
+            ("chord_length_common", self.chord_length_common, LARGEST_PART),
+            ("transition_strain", self.transition_strain, LARGEST_PART),
+            ("annulus_mm", self.annulus_mm, LARGEST_MM),
+            ("papillary_mm", self.papillary_mm, LARGEST_MM),
+            ("pressure", self.pressure, LARGEST_PART),
+        ];
+        let wrong = given
+            .into_iter()
+            .filter(|(_, value, most)| !(0.0..=*most).contains(value));
+        let told = wrong.map(|(key, value, most)| {
+            Fault::error(
+                format!("uncertainty.{key}"),
+                format!("is {value}; expected 0 to {most}"),
+            )
+        });
+        let faults: Vec<Fault> = told.collect();
+        if faults.is_empty() { Ok(()) } else { Err(faults) }
+    }
+}
+
+/// Largest standard deviation that makes sense of a part of something [1]: three of them leave a tenth.
+const LARGEST_PART: f64 = 0.3;
+/// The same of a place [mm]: what is not known to a centimetre is not known.
+const LARGEST_MM: f64 = 10.0;
+/// Harmonics of the annulus' error along its length, our choice: shifts, tilts, widths and the saddle's height are wrong, single
+/// points are not.
+const HARMONICS: u32 = 3;
+/// Orifices below this are closed within the noise of meshes and roads [mm²] (README).
+pub const SEALED_BELOW_MM2: f64 = 8.0;
+
+/// The closed valves of an ensemble.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ensemble {
+    /// What each sample came to, in the order of their numbers; a sample whose repairs cannot be applied says why.
+    pub samples: Vec<Result<Outcome, Refusal>>,
+}
+
+/// Median and an interval that holds nine samples of ten.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Interval {
+    /// Below it lie 5 % of the certified samples.
+    pub low: f64,
+    /// Half of them.
+    pub median: f64,
+    /// 95 % of them.
+    pub high: f64,
+}
+
+/// How often something came out, with the interval (Wilson's, 95 %) that so few samples leave for its probability.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Probability {
+    /// Part of the certified samples [1].
+    pub estimate: f64,
+    /// Lower end of the interval [1].
+    pub low: f64,
+    /// Upper end [1].
+    pub high: f64,
+}
+
+impl Ensemble {
+    /// Measures of the samples that closed with a certificate: no others are counted anywhere.
+    pub fn certified(&self) -> impl Iterator<Item = &Measures> {
+        let outcomes = self.samples.iter().filter_map(|sample| sample.as_ref().ok());
+        outcomes
+            .filter(|outcome| outcome.is_certified())
+            .map(|outcome| &outcome.measures)
+    }
+
+    /// Median and interval of a measure; none where no sample is certified.
+    pub fn interval(&self, of: impl Fn(&Measures) -> f64) -> Option<Interval> {
+        let values: Vec<f64> = self.certified().map(of).collect();
+        if values.is_empty() {
+            return None;
+        }
+        let at = |share: f64| percentile(values.clone(), share);
+        Some(Interval {
+            low: at(0.05),
+            median: at(0.5),
+            high: at(0.95),
+        })
+    }
+
+    /// How probable it is that the valve seals: that its orifice is below [`SEALED_BELOW_MM2`]. None where no sample is certified.
+    pub fn probability_sealed(&self) -> Option<Probability> {
+        let sealed = self
+            .certified()
+            .filter(|measures| measures.orifice.area_mm2 < SEALED_BELOW_MM2);
+        wilson(sealed.count(), self.certified().count())
+    }
+}
+
+/// Wilson's interval (1927) at 95 %.
+fn wilson(successes: usize, count: usize) -> Option<Probability> {
+    const QUANTILE: f64 = 1.959_964;
+    if count == 0 {
+        return None;
+    }
+    let (count, part) = (count as f64, successes as f64 / count as f64);
+    let squared = QUANTILE * QUANTILE / count;
+    let middle = (part + 0.5 * squared) / (1.0 + squared);
+    let half = QUANTILE / (1.0 + squared) * (part * (1.0 - part) / count + 0.25 * squared / count).sqrt();
+    Some(Probability {
+        estimate: part,
+        low: (middle - half).max(0.0),
+        high: (middle + half).min(1.0),
+    })
+}
+
+/// Closes so many valves that differ as an image leaves it open, each with the same repairs. Sample `n` of a seed is the same valve for
+/// every plan, so that plans are compared on the same valves; no sample depends on another, nor on the number of threads.
+pub fn ensemble(
+    model: &Model,
+    repairs: &[Repair],
+    uncertainty: &Uncertainty,
+    samples: u32,
+    seed: u64,
+    watch: Watch,
+) -> Ensemble {
+    let sample = |number: u32| {
+        let varied = varied(model, uncertainty, seed, number);
+        let applied = apply_all(&varied, repairs)?;
+        Ok(closed(
+            &applied.model,
+            applied.reports,
+            applied.warnings,
+            false,
+            watch,
+        ))
+    };
+    let numbers = (0..samples).into_par_iter().with_max_len(1);
+    Ensemble {
+        samples: numbers.map(sample).collect(),
+    }
+}
+
+/// Sample `number` of a seed: the valve as it may be.
+pub fn varied(model: &Model, uncertainty: &Uncertainty, seed: u64, number: u32) -> Model {
+    let mut normal = Normal::new(seed, number);
+    let mut model = model.clone();
+    // The order of draws is part of what a seed means.
+    model.pressure_mpa *= normal.factor(uncertainty.pressure);
+    let knee = normal.factor(uncertainty.transition_strain);
+    let springs = &mut model.springs;
+    for (rest_mm, transition_mm) in springs
+        .rest_length_mm
+        .iter()
+        .zip(&mut springs.transition_length_mm)
+    {
+        *transition_mm = rest_mm + (*transition_mm - rest_mm) * knee;
+    }
+    let common = normal.factor(uncertainty.chord_length_common);
+    for length_mm in &mut model.chords.rest_length_mm {
+        *length_mm *= common * normal.factor(uncertainty.chord_length);
+    }
+    for index in 0..model.papillary.len() {
+        let shift_mm = normal.vector() * uncertainty.papillary_mm;
+        for tip in model.papillary[index].tips.clone() {
+            move_target(&mut model, tip, shift_mm);
+        }
+    }
+    move_annulus(&mut model, uncertainty.annulus_mm, &mut normal);
+    model
+}
+
+/// A sum of harmonics along the annulus, each with the same expected square, that add up to the standard deviation.
+fn move_annulus(model: &mut Model, deviation_mm: f64, normal: &mut Normal) {
+    let amplitude_mm = deviation_mm / f64::from(HARMONICS + 1).sqrt();
+    let waves: Vec<[Vec3; 2]> = (0..=HARMONICS)
+        .map(|_| [normal.vector(), normal.vector()])
+        .collect();
+    let annulus = model.annulus.clone();
+    let mut along_mm = vec![0.0];
+    for (index, &vertex) in annulus.iter().enumerate() {
+        let next = annulus[(index + 1) % annulus.len()];
+        let side_mm = (model.rest_mm[next as usize] - model.rest_mm[vertex as usize]).norm();
+        along_mm.push(along_mm[index] + side_mm);
+    }
+    let length_mm = along_mm[annulus.len()];
+    for (&vertex, along) in annulus.iter().zip(&along_mm) {
+        let angle = std::f64::consts::TAU * along / length_mm;
+        let wave = |(harmonic, [cosine, sine]): (usize, &[Vec3; 2])| {
+            let angle = angle * harmonic as f64;
+            cosine * angle.cos() + sine * angle.sin()
+        };
+        let shift_mm: Vec3 = waves.iter().enumerate().map(wave).sum();
+        move_target(model, vertex, shift_mm * amplitude_mm);
+    }
+}
+
+fn move_target(model: &mut Model, vertex: u32, shift_mm: Vec3) {
+    if let Ok(found) = model.prescribed.binary_search_by_key(&vertex, |held| held.vertex) {
+        model.prescribed[found].target_mm += shift_mm;
+    }
+}
+
+/// Normal random numbers of one sample.
+struct Normal(Pcg64Mcg);
+
+/// Beyond so many standard deviations a number is drawn again.
+const FARTHEST: f64 = 3.0;
+
+impl Normal {
+    fn new(seed: u64, number: u32) -> Self {
+        let mut generator = Pcg64Mcg::new(u128::from(seed) << 32 | u128::from(number));
+        // Neighbouring states begin alike.
+        (0..8).for_each(|_| drop(generator.next_u64()));
+        Self(generator)
+    }
+
+    /// Uniform in (0, 1].
+    fn uniform(&mut self) -> f64 {
+        ((self.0.next_u64() >> 11) + 1) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// By Box and Muller (1958).
+    fn draw(&mut self) -> f64 {
+        loop {
+            let (radius, turn) = (self.uniform(), self.uniform());
+            let value = (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * turn).cos();
+            if value.abs() <= FARTHEST {
+                return value;
+            }
+        }
+    }
+
+    fn factor(&mut self, deviation: f64) -> f64 {
+        1.0 + deviation * self.draw()
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.draw(), self.draw(), self.draw())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use super::*;
+    use crate::mesh::parametric::{Preset, ValveParameters, generate};
+
+    fn small() -> Model {
+        let parameters = ValveParameters {
+            face_count_target: 200,
+            ..ValveParameters::preset(Preset::Dilated)
+        };
+        Model::build(&generate(&parameters).unwrap()).unwrap().model
+    }
+
+    /// Two thousand samples have the standard deviations that were asked for: cut off at three, a normal distribution keeps 0.987
+    /// of its own, and so many samples find it to 1.6 % (one standard error).
+    #[test]
+    fn samples_vary_as_much_as_asked_for() {
+        let model = small();
+        let uncertainty = Uncertainty::default();
+        let samples: Vec<Model> = (0..2000)
+            .map(|number| varied(&model, &uncertainty, 7, number))
+            .collect();
+        let target = |model: &Model, vertex: u32| {
+            let held = model.prescribed.iter().find(|held| held.vertex == vertex);
+            held.unwrap().target_mm.y
+        };
+        let (point, tip) = (model.annulus[3], model.papillary[1].tips[0]);
+        let knee =
+            |model: &Model| model.springs.transition_length_mm[5] / model.springs.rest_length_mm[5] - 1.0;
+        let mean_chord = |varied: &Model| {
+            let ratios = varied
+                .chords
+                .rest_length_mm
+                .iter()
+                .zip(&model.chords.rest_length_mm);
+            ratios.map(|(length, drawn)| length / drawn).sum::<f64>() / model.chords.ends.len() as f64
+        };
+        let expected: [(&str, &dyn Fn(&Model) -> f64, f64); 6] = [
+            ("annulus", &|model| target(model, point), 0.7),
+            ("papillary", &|model| target(model, tip), 0.7),
+            ("pressure", &|model| model.pressure_mpa, 0.1 * model.pressure_mpa),
+            ("knee", &knee, 0.1 * knee(&model)),
+            (
+                "a chord",
+                &|model| model.chords.rest_length_mm[0],
+                0.03 * 2f64.sqrt() * model.chords.rest_length_mm[0],
+            ),
+            (
+                "all chords",
+                &mean_chord,
+                0.03 * (1.0 + 1.0 / model.chords.ends.len() as f64).sqrt(),
+            ),
+        ];
+        for (name, value, deviation) in expected {
+            let values: Vec<f64> = samples.iter().map(value).collect();
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let variance =
+                values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64;
+            let ratio = variance.sqrt() / (0.987 * deviation);
+            assert!((ratio - 1.0).abs() < 0.06, "{name}: {ratio}");
+            assert!(
+                (mean - value(&model)).abs() < 4.0 * deviation / 2000f64.sqrt(),
+                "{name}: {mean}"
+            );
+        }
+    }
+
+    /// Neighbours of the annulus move alike: the third harmonic turns by some tens of degrees from one point to the next.
+    #[test]
+    fn the_annulus_moves_smoothly() {
+        let model = small();
+        let moved = varied(&model, &Uncertainty::default(), 1, 0);
+        let shift = |vertex: u32| {
+            let at = model
+                .prescribed
+                .binary_search_by_key(&vertex, |held| held.vertex)
+                .unwrap();
+            moved.prescribed[at].target_mm - model.prescribed[at].target_mm
+        };
+        let shifts: Vec<Vec3> = model.annulus.iter().map(|&vertex| shift(vertex)).collect();
+        let rms = |vectors: &[Vec3]| {
+            (vectors.iter().map(Vec3::norm_squared).sum::<f64>() / vectors.len() as f64).sqrt()
+        };
+        let steps: Vec<Vec3> = (0..shifts.len())
+            .map(|i| shifts[(i + 1) % shifts.len()] - shifts[i])
+            .collect();
+        assert!(
+            rms(&shifts) > 0.3 && rms(&steps) < 0.6 * rms(&shifts),
+            "{} {}",
+            rms(&shifts),
+            rms(&steps)
+        );
+    }
+
+    /// Seeds give the same samples again, others with another; nothing unknown leaves the valve as it is.
+    #[test]
+    fn a_seed_is_an_ensemble() {
+        let model = small();
+        let none = Uncertainty {
+            chord_length: 0.0,
+            chord_length_common: 0.0,
+            transition_strain: 0.0,
+            annulus_mm: 0.0,
+            papillary_mm: 0.0,
+            pressure: 0.0,
+        };
+        let same = varied(&model, &none, 3, 5);
+        assert_eq!(same.prescribed, model.prescribed);
+        assert_eq!(same.chords, model.chords);
+        let run = |seed| {
+            ensemble(&model, &[], &Uncertainty::default(), 3, seed, &|_| {
+                ControlFlow::Continue(())
+            })
+        };
+        let (first, again, other) = (run(1), run(1), run(2));
+        assert_eq!(first, again);
+        assert_ne!(first, other);
+        let areas = |ensemble: &Ensemble| {
+            ensemble
+                .interval(|measures| measures.annulus.area_2d_mm2)
+                .unwrap()
+        };
+        let certified = first.certified().count();
+        assert!(
+            certified > 1 && areas(&first).low < areas(&first).median,
+            "{certified}: {:?}",
+            areas(&first)
+        );
+    }
+
+    /// Wilson's interval by hand: 8 of 10 leave 0.490 to 0.943, 0 of 10 leave 0 to 0.278.
+    #[test]
+    fn few_samples_leave_wide_intervals() {
+        let most = wilson(8, 10).unwrap();
+        assert!(
+            (most.low - 0.490).abs() < 1e-3 && (most.high - 0.943).abs() < 1e-3,
+            "{most:?}"
+        );
+        let none = wilson(0, 10).unwrap();
+        assert!(none.low == 0.0 && (none.high - 0.278).abs() < 1e-3, "{none:?}");
+        assert_eq!(wilson(0, 0), None);
+    }
+
+    #[test]
+    fn deviations_without_sense_are_all_told() {
+        let wrong = Uncertainty {
+            pressure: -0.1,
+            annulus_mm: f64::NAN,
+            papillary_mm: 20.0,
+            ..Uncertainty::default()
+        };
+        let places: Vec<String> = wrong
+            .check()
+            .unwrap_err()
+            .into_iter()
+            .map(|fault| fault.place)
+            .collect();
+        assert_eq!(
+            places,
+            [
+                "uncertainty.annulus_mm",
+                "uncertainty.papillary_mm",
+                "uncertainty.pressure"
+            ]
+        );
+        assert!(Uncertainty::default().check().is_ok());
+    }
+}
