@@ -95,7 +95,8 @@ fn table(out: &mut String, report: &Report) {
     let after = report.after.as_ref().map(groups);
     let mut heads = after.as_ref().map(|_| ["before", "after", "change"]);
     for (number, group) in before.iter().enumerate() {
-        if group.rows.is_empty() {
+        let later = after.as_ref().map_or(&[][..], |groups| &groups[number].rows);
+        if group.rows.is_empty() && later.is_empty() {
             continue;
         }
         let title = group.title;
@@ -107,12 +108,30 @@ fn table(out: &mut String, report: &Report) {
             ),
             None => writeln!(out, "\n{title}"),
         };
-        let later = after.as_ref().and_then(|groups| groups.get(number));
         for (number, row) in group.rows.iter().enumerate() {
-            let later = later.and_then(|group| group.rows.get(number));
-            let _ = writeln!(out, "{}", row_line(row, later));
+            let _ = writeln!(out, "{}", row_line(row, same_row(later, number, row)));
+        }
+        let is_new = |(number, row): &(usize, &Row)| same_row(&group.rows, *number, row).is_none();
+        for (_, row) in later.iter().enumerate().filter(is_new) {
+            let _ = writeln!(out, "{}", new_row_line(row));
         }
     }
+}
+
+/// The row of that number if it has the same name, else one that has: a repair may add chordae and sutures.
+fn same_row<'a>(rows: &'a [Row], number: usize, row: &Row) -> Option<&'a Row> {
+    let same = |other: &&Row| other.name == row.name;
+    rows.get(number).filter(same).or_else(|| rows.iter().find(same))
+}
+
+/// A row of what only the repaired valve has.
+fn new_row_line(row: &Row) -> String {
+    let name = format!("  {}", shortened(&row.name, NAME - 2));
+    let after = number(row.value, row.digits);
+    format!(
+        "{name:NAME$} {:UNIT$}{:>VALUE$}{after:>VALUE$}{:>VALUE$}",
+        row.unit, "-", "-"
+    )
 }
 
 fn row_line(row: &Row, later: Option<&Row>) -> String {

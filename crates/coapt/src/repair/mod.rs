@@ -1,11 +1,14 @@
 //! What a surgeon does to the valve: one file per deed. A repair makes a new model and leaves the old one as it is.
 
+pub mod leaflet;
 pub mod placement;
 pub mod ring;
 pub mod ring_attachment;
 mod ring_candidates;
 mod ring_laying;
 pub mod ring_shape;
+pub mod site;
+pub mod sutures;
 
 pub use ring::RingReport;
 pub use ring_shape::parse_ring_spec;
