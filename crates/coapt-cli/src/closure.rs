@@ -133,11 +133,7 @@ impl Planned {
                 ..fault.clone()
             };
         };
-        let key = fault.place.strip_prefix("ring").unwrap_or("");
-        let fault = Fault {
-            place: format!("repair[{number}]{key}"),
-            ..fault.clone()
-        };
+        let fault = repair::in_plan(number, fault);
         located(&path.display().to_string(), text, &fault)
     }
 }

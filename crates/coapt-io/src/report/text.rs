@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use coapt::relax::Status;
-use coapt::scene::RingFamily;
 
+use super::repairs::repair_line;
 use super::rows::{Row, groups};
-use super::{RepairReport, Report, Solve};
+use super::{Report, Solve};
 
 /// Longest line.
 const WIDTH: usize = 100;
@@ -176,33 +176,6 @@ fn shortened(text: &str, width: usize) -> String {
         .take(width.saturating_sub(3))
         .chain("...".chars())
         .collect()
-}
-
-fn repair_line(repair: &RepairReport) -> String {
-    let RepairReport::Ring {
-        family,
-        size_mm,
-        closed,
-        ring_length_mm,
-        annulus_length_mm,
-        warp_mean_mm,
-        warp_max_mm,
-        ..
-    } = repair;
-    let kind = if *closed { "closed" } else { "open" };
-    let shape = match (family.and_then(family_name), size_mm) {
-        (Some(name), Some(size)) => format!("ring {name}, size {size} mm"),
-        _ => "measured ring".to_owned(),
-    };
-    format!(
-        "{shape} ({kind}, {ring_length_mm:.1} mm long) on {annulus_length_mm:.1} mm of annulus, which moves \
-         {warp_mean_mm:.1} mm on average, {warp_max_mm:.1} mm at most"
-    )
-}
-
-/// The name of a family as in plans.
-fn family_name(family: RingFamily) -> Option<String> {
-    Some(serde_json::to_value(family).ok()?.as_str()?.to_owned())
 }
 
 /// A paragraph that begins with a word and a colon.

@@ -84,7 +84,9 @@ pub fn plan_from_text(path: &Path, text: &str) -> Result<(Plan, Vec<Fault>), Vec
     let mut plan: Plan = document::parse(&name, text)?;
     let mut files = Files::new(folder_of(path), Space::LPS, u32::MAX);
     for (number, repair) in plan.repair.iter_mut().enumerate() {
-        let Repair::Ring(ring) = repair;
+        let Repair::Ring(ring) = repair else {
+            continue;
+        };
         let key = format!("repair[{number}].curve_file");
         let Some(file) = ring.curve_file.take() else {
             continue;

@@ -1,5 +1,7 @@
 //! What a surgeon does to the valve: one file per deed. A repair makes a new model and leaves the old one as it is.
 
+pub mod alfieri;
+pub mod clip;
 pub mod leaflet;
 pub mod placement;
 pub mod ring;
@@ -10,6 +12,8 @@ pub mod ring_shape;
 pub mod site;
 pub mod sutures;
 
+pub use alfieri::AlfieriReport;
+pub use clip::ClipReport;
 pub use ring::RingReport;
 pub use ring_shape::parse_ring_spec;
 
@@ -32,6 +36,10 @@ pub struct Repaired {
 pub enum Report {
     /// Annuloplasty.
     Ring(RingReport),
+    /// Edge-to-edge repair with a clip.
+    Clip(ClipReport),
+    /// Edge-to-edge repair with stitches.
+    Alfieri(AlfieriReport),
 }
 
 /// Applies one repair.
@@ -41,5 +49,16 @@ pub enum Report {
 pub fn apply(model: &Model, repair: &Repair) -> Result<Repaired, Vec<Fault>> {
     match repair {
         Repair::Ring(ring) => ring::implant(model, ring),
+        Repair::Clip(clip) => clip::clip(model, clip),
+        Repair::Alfieri(stitches) => alfieri::stitch(model, stitches),
+    }
+}
+
+/// A fault of the plan's repair of that number, from 0: `clip.site` becomes `repair[0].site`.
+pub fn in_plan(number: usize, fault: &Fault) -> Fault {
+    let key = fault.place.find(['.', ' ']).map_or("", |at| &fault.place[at..]);
+    Fault {
+        place: format!("repair[{number}]{key}"),
+        ..fault.clone()
     }
 }

@@ -197,7 +197,9 @@ pub(super) mod tests {
     pub(in super::super) fn done(model: &Model, ring: &Ring) -> (Model, RingReport, Vec<Fault>) {
         let repaired =
             apply(model, &Repair::Ring(ring.clone())).unwrap_or_else(|faults| panic!("{faults:#?}"));
-        let Report::Ring(report) = repaired.report;
+        let Report::Ring(report) = repaired.report else {
+            panic!("{:?}", repaired.report);
+        };
         (repaired.model, report, repaired.warnings)
     }
 

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use chordae::default_insertion_radius_mm;
 pub use chordae::{ChordGroup, ChordLaw, LineMesh};
-pub use repair::{Attachment, Plan, Repair, Ring, RingFamily, Site};
+pub use repair::{Alfieri, Attachment, Clip, ClipModel, ClipSize, Plan, Repair, Ring, RingFamily, Site};
 pub use tissue::{
     SpringBranches, Tissue, Wrinkling, default_bending_modulus_mpa, default_compression_modulus_ratio,
     default_poisson_ratio,
