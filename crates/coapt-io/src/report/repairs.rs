@@ -1,6 +1,9 @@
 //! What each repair did: for machines, and as a sentence.
 
-use coapt::repair::{self, AlfieriReport, ClipReport, RingReport};
+use coapt::repair::{
+    self, AlfieriReport, CleftReport, ClipReport, CutReport, NeochordReport, RelocationReport, RingReport,
+    TransferReport,
+};
 use coapt::scene::RingFamily;
 use serde::Serialize;
 
@@ -14,6 +17,18 @@ pub enum RepairReport {
     Clip(ClipReport),
     /// Edge-to-edge repair with stitches.
     Alfieri(AlfieriReport),
+    /// Artificial chordae.
+    Neochord(NeochordReport),
+    /// Chordae cut.
+    CutChord(CutReport),
+    /// A chord set elsewhere.
+    TransferChord(TransferReport),
+    /// Chordae torn.
+    Rupture(CutReport),
+    /// A papillary muscle drawn elsewhere.
+    RelocatePapillary(RelocationReport),
+    /// An indentation sewn up.
+    CloseCleft(CleftReport),
 }
 
 /// What a ring did to the annulus.
@@ -48,6 +63,12 @@ pub(super) fn repair_report(report: &repair::Report) -> RepairReport {
         repair::Report::Ring(ring) => RepairReport::Ring(ring_figures(ring)),
         repair::Report::Clip(clip) => RepairReport::Clip(clip.clone()),
         repair::Report::Alfieri(stitches) => RepairReport::Alfieri(stitches.clone()),
+        repair::Report::Neochord(neochord) => RepairReport::Neochord(neochord.clone()),
+        repair::Report::CutChord(cut) => RepairReport::CutChord(cut.clone()),
+        repair::Report::TransferChord(transfer) => RepairReport::TransferChord(transfer.clone()),
+        repair::Report::Rupture(torn) => RepairReport::Rupture(torn.clone()),
+        repair::Report::RelocatePapillary(moved) => RepairReport::RelocatePapillary(moved.clone()),
+        repair::Report::CloseCleft(cleft) => RepairReport::CloseCleft(cleft.clone()),
     }
 }
 
@@ -84,7 +105,57 @@ pub(super) fn repair_line(repair: &RepairReport) -> String {
             "{}: {} mm of the margins joined by {} stitches, up to {:.1} mm apart when open",
             stitches.sewn.name, stitches.length_mm, stitches.sewn.sutures, stitches.sewn.farthest_mm
         ),
+        RepairReport::Neochord(neochord) => neochord_line(neochord),
+        RepairReport::CutChord(cut) => format!("{} of {} chords or branches cut", cut.count, cut.of),
+        RepairReport::TransferChord(transfer) => transfer_line(transfer),
+        RepairReport::Rupture(torn) => format!("{} of {} chords torn", torn.count, torn.of),
+        RepairReport::RelocatePapillary(moved) => {
+            let [x, y, z] = moved.by_mm;
+            format!(
+                "{} papillary muscle, {} tips, drawn by {:.1} mm: ({x:.1}, {y:.1}, {z:.1}) mm",
+                moved.muscle,
+                moved.tips,
+                x.hypot(y).hypot(z)
+            )
+        }
+        RepairReport::CloseCleft(cleft) => format!(
+            "{}: an indentation of {:.1} mm closed by {} stitches, up to {:.1} mm apart when open",
+            cleft.sewn.name, cleft.indentation_mm, cleft.sewn.sutures, cleft.sewn.farthest_mm
+        ),
     }
+}
+
+fn neochord_line(neochord: &NeochordReport) -> String {
+    let [shortest, longest] =
+        [f64::min, f64::max].map(|pick| neochord.length_mm.iter().copied().reduce(pick));
+    let depth = neochord
+        .depth_mm
+        .map(|depth| format!(", estimated for a margin {depth:.1} mm below the annulus"));
+    format!(
+        "{}: {} strands from tip {} of the {} papillary muscle, {:.1} to {:.1} mm long{}",
+        neochord.name,
+        neochord.length_mm.len(),
+        neochord.tip,
+        neochord.muscle,
+        shortest.unwrap_or(0.0),
+        longest.unwrap_or(0.0),
+        depth.unwrap_or_default()
+    )
+}
+
+fn transfer_line(transfer: &TransferReport) -> String {
+    let at = |[x, y, z]: [f64; 3]| format!("({x:.1}, {y:.1}, {z:.1})");
+    let muscle = transfer
+        .muscle
+        .as_ref()
+        .map(|name| format!(" and to the {name} papillary muscle"));
+    format!(
+        "chord of `{}` moved from {} to {} mm{}",
+        transfer.group,
+        at(transfer.from_mm),
+        at(transfer.to_mm),
+        muscle.unwrap_or_default()
+    )
 }
 
 fn ring_line(ring: &RingFigures) -> String {

@@ -30,6 +30,7 @@ mod validate_tissue;
 
 pub use build::Built;
 pub use doubts::doubts;
+pub(crate) use insertion::{Insertion, insertion_near};
 pub(crate) use validate_tissue::tissue_faults;
 
 use crate::Vec3;

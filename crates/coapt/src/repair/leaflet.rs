@@ -6,6 +6,7 @@ use crate::Vec3;
 use crate::energy::chord::WeightedVertices;
 use crate::mesh::{polyline, topology};
 use crate::model::Model;
+use crate::repair::ring_shape::normal_of;
 use crate::scene::Fault;
 
 /// A leaflet's free margin and how its faces hang together.
@@ -154,14 +155,24 @@ impl<'a> LeafletMargin<'a> {
         polyline::point_at_arc(&self.points_mm, false, &self.arcs_mm, arc_mm)
     }
 
-    /// The direction of the margin toward the posteromedial commissure, over so many millimetres about an arc length.
+    /// The direction of the margin toward the posteromedial commissure as seen from the atrium, over so many millimetres about
+    /// an arc length.
     pub fn tangent(&self, arc_mm: f64, width_mm: f64) -> Vec3 {
         let half = 0.5 * width_mm.max(1e-3 * self.length_mm());
-        (self.point_mm(arc_mm + half) - self.point_mm(arc_mm - half)).normalize()
+        let along = self.point_mm(arc_mm + half) - self.point_mm(arc_mm - half);
+        let atrial = normal_of(&positions(self.model, &self.model.annulus));
+        let seen = along - atrial * atrial.dot(&along);
+        // A margin that runs straight up, of a leaflet drawn by itself, has no direction seen from there.
+        if seen.norm() > 0.1 * along.norm() {
+            seen.normalize()
+        } else {
+            along.normalize()
+        }
     }
 
-    /// The way across the leaflet from the margin at `arc_mm`, in the plane that the leaflet's normal there spans with the
-    /// direction that is `lean_radians` from the perpendicular of `along` toward it.
+    /// The way across the leaflet from the margin at `arc_mm`, in the plane perpendicular to `along`, or leaning out of it by
+    /// `lean_radians` toward `along`. With [`Self::tangent`] that is the plane of a clip whose arms stand across the line of
+    /// closure: it holds the axis of the valve, so that both leaflets are gripped the same way up, however their margins slope.
     pub fn height_line(&self, arc_mm: f64, along: Vec3, lean_radians: f64) -> HeightLine {
         let count = self.arcs_mm.len();
         let edge = self
@@ -189,8 +200,11 @@ impl<'a> LeafletMargin<'a> {
         });
         let across = normal.cross(&along);
         let across = across.normalize() * across.dot(&inward).signum();
-        let toward = across * lean_radians.cos() + along * lean_radians.sin();
-        self.traced(start, key, normal.cross(&toward).normalize())
+        self.traced(
+            start,
+            key,
+            along * lean_radians.cos() - across * lean_radians.sin(),
+        )
     }
 
     /// The normal of the leaflet about a place on its margin: the mean of the faces within two millimetres, our choice, that
@@ -245,7 +259,8 @@ impl<'a> LeafletMargin<'a> {
         HeightLine { crossings }
     }
 
-    fn place_mm(&self, place: &WeightedVertices) -> Vec3 {
+    /// Where a place is in the open valve [mm].
+    pub fn place_mm(&self, place: &WeightedVertices) -> Vec3 {
         place
             .iter()
             .map(|&(vertex, weight)| self.model.rest_mm[vertex as usize] * weight)

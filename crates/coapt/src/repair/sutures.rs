@@ -4,10 +4,11 @@
 //! each other, the suture from parting.
 
 use super::leaflet::LeafletMargin;
+use super::rods::{Rod, place_mm, string};
 use crate::Vec3;
 use crate::energy::chord::WeightedVertices;
-use crate::model::{ChordGroup, ChordKind, Model};
-use crate::scene::{ChordLaw, Fault};
+use crate::model::{ChordKind, Model};
+use crate::scene::Fault;
 
 /// Unloaded length of a suture over the distance at which contact begins [1]: leaflets that pressure presses together come to
 /// rest at nine tenths of it, and so a stitch holds them as pressure would.
@@ -53,44 +54,27 @@ pub fn held_gap_mm(model: &Model) -> f64 {
 
 /// Adds stitches as a chord group of their own. Each pulls with `stiffness_n_per_mm` times what it is longer than its length.
 pub fn sew(model: &mut Model, name: &str, stitches: Vec<Stitch>, stiffness_n_per_mm: f64) -> Sewn {
-    let name = unused_name(model, name);
     let gap_mm = held_gap_mm(model);
-    let group = model.chord_groups.len() as u32;
-    let chords = &mut model.chords;
-    // With a cross-section of L mm² a modulus in MPa is a stiffness in N/mm: T = A E (l / L − 1) = E (l − L).
-    chords.laws.push(ChordLaw::Linear {
-        modulus_mpa: stiffness_n_per_mm,
-    });
-    let mut farthest_mm = 0.0_f64;
+    let away_mm = |stitch: &Stitch| {
+        let [a, b] = stitch.ends.each_ref().map(|end| place_mm(end, &model.rest_mm));
+        (b - a).norm()
+    };
+    let farthest_mm = stitches.iter().map(away_mm).fold(0.0, f64::max);
     let sutures = stitches.len();
-    for stitch in stitches {
-        let first = chords.points.len() as u32;
-        chords.points.extend(stitch.ends);
-        chords.ends.push([first, first + 1]);
-        chords.rest_length_mm.push(stitch.length_mm);
-        chords.area_mm2.push(stitch.length_mm);
-        chords.group.push(group);
-        let way = chords.point_mm(first, &model.rest_mm) - chords.point_mm(first + 1, &model.rest_mm);
-        farthest_mm = farthest_mm.max(way.norm());
-    }
-    model.chord_groups.push(ChordGroup {
-        name: name.clone(),
-        kind: ChordKind::Suture,
-    });
+    // With a cross-section of L mm² a modulus in MPa is a stiffness in N/mm: T = A E (l / L − 1) = E (l − L).
+    let rod = |stitch: Stitch| Rod {
+        ends: stitch.ends,
+        rest_length_mm: stitch.length_mm,
+        area_mm2: stitch.length_mm,
+    };
+    let rods = stitches.into_iter().map(rod).collect();
+    let name = string(model, name, ChordKind::Suture, stiffness_n_per_mm, rods);
     Sewn {
         name,
         sutures,
         gap_mm,
         farthest_mm,
     }
-}
-
-/// A name that no chord group has yet: the one asked for, or with a number behind it.
-pub fn unused_name(model: &Model, name: &str) -> String {
-    let taken = |name: &str| model.chord_groups.iter().any(|group| group.name == name);
-    let numbered = (2..).map(|number| format!("{name} ({number})"));
-    let mut names = std::iter::once(name.to_owned()).chain(numbered);
-    names.find(|name| !taken(name)).unwrap_or_else(|| name.to_owned())
 }
 
 /// Refuses to sew where the leaflets are held together already: an earlier repair's sutures from leaflet to leaflet meet the

@@ -5,6 +5,7 @@
 
 mod chordae;
 mod repair;
+mod repair_chordae;
 mod tissue;
 
 use serde::{Deserialize, Serialize};
@@ -12,6 +13,10 @@ use serde::{Deserialize, Serialize};
 pub(crate) use chordae::default_insertion_radius_mm;
 pub use chordae::{ChordGroup, ChordLaw, LineMesh};
 pub use repair::{Alfieri, Attachment, Clip, ClipModel, ClipSize, Plan, Repair, Ring, RingFamily, Site};
+pub use repair_chordae::{
+    AnnulusPlace, ChordPart, CloseCleft, CutChord, Neochord, RelocatePapillary, Rupture, Segment,
+    TransferChord,
+};
 pub use tissue::{
     SpringBranches, Tissue, Wrinkling, default_bending_modulus_mpa, default_compression_modulus_ratio,
     default_poisson_ratio,

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{CloseCleft, CutChord, Neochord, RelocatePapillary, Rupture, TransferChord};
+
 /// A list of repairs, applied in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -28,6 +30,18 @@ pub enum Repair {
     Clip(Clip),
     /// Edge-to-edge repair with stitches (Alfieri): a stretch of both margins is sewn together.
     Alfieri(Alfieri),
+    /// Artificial chordae from a papillary tip to a leaflet.
+    Neochord(Neochord),
+    /// Chordae are cut, as those that tether a leaflet.
+    CutChord(CutChord),
+    /// A chord is set to another place of a leaflet or to another papillary tip.
+    TransferChord(TransferChord),
+    /// Chordae tear; no repair, but what one is for.
+    Rupture(Rupture),
+    /// A papillary muscle is drawn elsewhere.
+    RelocatePapillary(RelocatePapillary),
+    /// An indentation of the posterior margin is sewn up.
+    CloseCleft(CloseCleft),
 }
 
 /// An annuloplasty ring: a parametric family with a size, or a curve.
