@@ -2,13 +2,15 @@
 
 mod chordae;
 mod edge_to_edge;
+mod refused;
 
 use coapt::measure::{Measures, measure};
 use coapt::mesh::parametric::Preset;
 use coapt::model::Model;
 use coapt::relax::Equilibrium;
+use coapt::repair::site::on_both_leaflets;
 use coapt::repair::{self, Repaired};
-use coapt::scene::{Fault, Repair};
+use coapt::scene::{Fault, Repair, Site};
 use coapt_tests::{close, preset_model};
 
 const FACES: u32 = 650;
@@ -49,6 +51,13 @@ fn assert_told(faults: &[Fault], place: &str, words: &str) {
         .first()
         .is_some_and(|fault| fault.place == place && fault.message.contains(words));
     assert!(told, "no `{place}` with `{words}` in {faults:#?}");
+}
+
+/// A point of the anterior margin at A2, in the open valve.
+fn middle_of_the_anterior_margin(model: &Model) -> [f64; 3] {
+    let site = on_both_leaflets(model, Some(Site::A2P2), None, "test").expect("presets have both margins");
+    let margin = &site.margins[0];
+    margin.point_mm(0.5 * margin.length_mm()).into()
 }
 
 /// Closes a valve, which must end certified, and tells its figures (seen with `--nocapture`).

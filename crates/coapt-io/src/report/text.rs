@@ -207,8 +207,9 @@ fn wrapped(out: &mut String, start: &str, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::super::rows::row;
-    use super::super::tests::{closure_of, spoil};
+    use super::super::tests::{closure_of, closure_with, spoil};
     use super::*;
+    use coapt::scene::{Clip, Neochord, Repair, Site};
 
     #[test]
     fn lines_are_aligned_and_not_wider_than_a_screen() {
@@ -228,6 +229,68 @@ mod tests {
         assert!(text.lines().any(|line| ends(line) && line.ends_with("change")));
         assert!(text.ends_with("research use, not a medical device\n"));
         assert!(text.contains("warning: word word"));
+    }
+
+    /// A row of what the repair put in has a dash before, and no change; the others are paired by name, whatever comes between.
+    #[test]
+    fn what_a_repair_adds_has_rows_of_its_own() {
+        let clip = Clip {
+            site: Some(Site::A2P2),
+            ..Clip::default()
+        };
+        let neochord = Neochord {
+            position: Some(0.35),
+            ..Neochord::to("posterior")
+        };
+        let report = Report::new(&closure_with(&[Repair::Neochord(neochord), Repair::Clip(clip)]));
+        let text = text(&report);
+        let row = |name: &str| {
+            text.lines()
+                .find(|line| line.trim_start().starts_with(name))
+                .unwrap_or_default()
+        };
+        let cells = |name: &str| {
+            row(name)
+                .split_whitespace()
+                .rev()
+                .take(3)
+                .map(str::to_owned)
+                .collect::<Vec<_>>()
+        };
+        for new in [
+            "clip A2P2: total tension",
+            "neochord posterior 0.35: largest tension",
+        ] {
+            let [change, after, before] = &cells(new)[..] else {
+                panic!("{text}")
+            };
+            assert!(
+                change == "-" && before == "-" && after.parse::<f64>().is_ok(),
+                "{text}"
+            );
+        }
+        assert!(
+            cells("strut: total tension")
+                .iter()
+                .all(|cell| cell.parse::<f64>().is_ok()),
+            "{text}"
+        );
+        assert!(text.contains("\nSutures and clips"), "{text}");
+        assert!(
+            text.contains("repair: clip A2P2: arms 9 mm long and 4 mm wide"),
+            "{text}"
+        );
+        assert!(
+            text.contains("repair: neochord posterior 0.35: 2 strands from tip"),
+            "{text}"
+        );
+        let json: serde_json::Value = serde_json::from_str(&report.json().unwrap()).unwrap();
+        assert_eq!(
+            (&json["repairs"][0]["kind"], &json["repairs"][1]["kind"]),
+            (&"neochord".into(), &"clip".into())
+        );
+        assert_eq!(json["repairs"][1]["name"], "clip A2P2");
+        assert!(json["after"]["sutures"][0]["total_force_n"].as_f64() > Some(0.0));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod fuzzed;
 mod laws_page;
+mod plans;
 mod schema;
 
 use std::path::PathBuf;
