@@ -110,7 +110,10 @@ pub(super) fn in_group(
     Ok(chords.into_iter().filter(is_of).collect())
 }
 
-/// Insertions of these chordae with their distance from a place [mm], the nearest first; of equals, the first.
+/// The number of a chord, and a segment of it that inserts with the end that does.
+pub(super) type Inserted = (usize, (usize, usize));
+
+/// Insertions of these chordae, those nearest to a place first; of equals, the first.
 ///
 /// # Errors
 /// A place that is not finite, or that has no insertion near, with `place`.
@@ -119,7 +122,7 @@ pub(super) fn nearest_insertions(
     chords: &[WholeChord],
     near_mm: [f64; 3],
     place: &str,
-) -> Result<Vec<(usize, (usize, usize))>, Fault> {
+) -> Result<Vec<Inserted>, Fault> {
     let near = Vec3::from(near_mm);
     let [x, y, z] = near_mm;
     if !near.iter().all(|coordinate| coordinate.is_finite()) {
@@ -130,7 +133,7 @@ pub(super) fn nearest_insertions(
     }
     let away = |insertion: (usize, usize)| (insertion_mm(model, insertion) - near).norm();
     let numbered = chords.iter().enumerate();
-    let mut found: Vec<(usize, (usize, usize))> = numbered
+    let mut found: Vec<Inserted> = numbered
         .flat_map(|(chord, whole)| whole.insertions.iter().map(move |&insertion| (chord, insertion)))
         .collect();
     found.sort_by(|a, b| away(a.1).total_cmp(&away(b.1)));

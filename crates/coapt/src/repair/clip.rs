@@ -105,7 +105,7 @@ fn number_faults(clip: &Clip, grasp_mm: [f64; 2], stiffness_n_per_mm: f64) -> Ve
             faults.push(Fault::error(key, message));
         }
     }
-    if !(clip.angle_deg.abs() <= MOST_LEAN_DEG) {
+    if !(-MOST_LEAN_DEG..=MOST_LEAN_DEG).contains(&clip.angle_deg) {
         let message = format!(
             "is {}, expected -{MOST_LEAN_DEG} to {MOST_LEAN_DEG}",
             clip.angle_deg

@@ -38,7 +38,7 @@ pub(super) fn closing_place_mm(model: &Model, share: f64, depth_mm: f64, place: 
         polyline::point_at(&curve, false, share * polyline::length(&curve, false))
     });
     let [a, p] = height_mm;
-    if !(a + p > 0.0) {
+    if a + p <= 0.0 {
         return Err(Fault::error(place, "the leaflets have no height there"));
     }
     let between = anterior + (posterior - anterior) * (a / (a + p));
