@@ -13,7 +13,7 @@ use std::path::Path;
 use coapt::Vec3;
 use coapt::energy::chord::Chords;
 use coapt::energy::pressure;
-use coapt::model::{AnnulusLandmarks, LeafletTissue, Model, Prescribed};
+use coapt::model::{AnnulusLandmarks, ChordGroup, LeafletTissue, Model, Prescribed};
 use coapt::relax::{Equilibrium, Status, relax};
 use coapt::scene::{ChordLaw, Contact, Settings, Tissue};
 use coapt::state::State;
@@ -79,7 +79,7 @@ fn valve(folder: &Path) -> Valve {
             membranes: Default::default(),
             hinges: Default::default(),
             chords: chords(folder, rest_mm.len(), &law),
-            chord_groups: vec!["all".into()],
+            chord_groups: vec![ChordGroup::chordae("all")],
             // Their pressure is negative against the normals of their grid.
             pressure_mpa: law["p_closed_dyn_cm2"].abs() * DYN_PER_CM2_MPA,
             dead_loads_n: vec![],

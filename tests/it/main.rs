@@ -14,6 +14,7 @@ mod kaiser;
 mod laws;
 mod personalise;
 mod properties;
+mod repairs;
 mod roads;
 mod sensitivity;
 mod shapes;

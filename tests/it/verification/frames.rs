@@ -3,7 +3,7 @@
 use coapt::Vec3;
 use coapt::energy::bilinear_spring;
 use coapt::energy::chord::Chords;
-use coapt::model::Model;
+use coapt::model::{ChordGroup, Model};
 use coapt::scene::ChordLaw;
 
 use super::references::root;
@@ -201,7 +201,7 @@ fn a_weight_on_a_chord_stretches_it_by_its_law() {
             group: vec![0],
             laws: vec![law.clone()],
         };
-        model.chord_groups = vec!["chord".into()];
+        model.chord_groups = vec![ChordGroup::chordae("chord")];
         let equilibrium = settled("chord", &model, model.rest_mm.clone());
         let found = -equilibrium.state.positions_mm[2].z / LENGTH_MM - 1.0;
         report(&format!(

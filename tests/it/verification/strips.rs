@@ -2,7 +2,7 @@
 
 use coapt::Vec3;
 use coapt::energy::bilinear_spring::Springs;
-use coapt::model::{LeafletTissue, Margin, Model, Prescribed};
+use coapt::model::{ChordGroup, LeafletTissue, Margin, Model, Prescribed};
 use coapt::scene::{ChordLaw, Contact, Tissue};
 
 use crate::shapes::{Mesh, add_spring, bare};
@@ -148,7 +148,7 @@ fn add_chord(model: &mut Model, edge: u32, valve: &Valve) -> u32 {
     model.chords.area_mm2.push(1.0);
     model.chords.group.push(0);
     if model.chord_groups.is_empty() {
-        model.chord_groups.push("margin".into());
+        model.chord_groups.push(ChordGroup::chordae("margin"));
         model.chords.laws.push(ChordLaw::Linear {
             modulus_mpa: CHORD_MPA,
         });

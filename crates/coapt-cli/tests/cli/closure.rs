@@ -153,6 +153,50 @@ fn a_full_folder_is_overwritten_only_when_asked_for() {
 }
 
 #[test]
+fn a_plan_of_several_kinds_is_carried_out_and_its_faults_have_lines() {
+    let folder = Folder::new("plan-kinds");
+    let valve = folder.valve(&[]);
+    let plan = folder.path("plan.toml");
+    let text = "schema_version = 1\n[[repair]]\nkind = \"rupture\"\nregion = \"P2\"\n[[repair]]\nkind = \"clip\"\n\
+                site = \"A2P2\"\n[[repair]]\nkind = \"relocate-papillary\"\nmuscle = \"anterolateral\"\n\
+                by_mm = [0, 0, 1]\n";
+    std::fs::write(&plan, text).unwrap();
+    let output = coapt(&["closure", &valve, "--plan", &plan]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let told = stdout(&output);
+    for line in [
+        "chords torn",
+        "repair: clip A2P2: arms 9 mm",
+        "repair: anterolateral papillary muscle, 3 tips, drawn by 1.0 mm",
+        "clip A2P2: total tension",
+    ] {
+        assert!(told.contains(line), "no `{line}` in {told}");
+    }
+    for (from, to, words) in [
+        (
+            "site = \"A2P2\"",
+            "position = 0.01",
+            "plan.toml:7: repair[1].position: the clip, 4 mm wide",
+        ),
+        ("site = \"A2P2\"\n", "", "plan.toml:5: repair[1].site is missing"),
+        (
+            "anterolateral",
+            "lateral",
+            "plan.toml:10: repair[2].muscle is `lateral`, expected one of",
+        ),
+    ] {
+        std::fs::write(&plan, text.replace(from, to)).unwrap();
+        let wrong = coapt(&["closure", &valve, "--plan", &plan]);
+        assert_eq!(wrong.status.code(), Some(2));
+        assert!(
+            stderr(&wrong).contains(words),
+            "no `{words}` in {}",
+            stderr(&wrong)
+        );
+    }
+}
+
+#[test]
 fn a_plan_file_does_what_the_option_does() {
     let folder = Folder::new("plan");
     let valve = folder.valve(&[]);

@@ -1,4 +1,5 @@
 use coapt::mesh::parametric::{Preset, ValveParameters, generate};
+use coapt::model::ChordKind;
 use coapt::scene::{ChordLaw, Scene, Tissue, Wrinkling};
 use quick_xml::events::Event;
 
@@ -393,7 +394,7 @@ fn a_law_without_an_equal_is_refused_by_name() {
 }
 
 #[test]
-fn dead_loads_are_refused_and_contact_that_is_off_is_left_out() {
+fn dead_loads_and_sutures_are_refused_and_contact_that_is_off_is_left_out() {
     let mut model = model(st_venant_kirchhoff(Wrinkling::Resolved));
     model.contact.stiffness_mpa = 0.0;
     let xml = febio(&model).unwrap();
@@ -407,6 +408,17 @@ fn dead_loads_are_refused_and_contact_that_is_off_is_left_out() {
         assert_eq!(
             faults[0].message,
             "1 forces on vertices are not exported; expected none"
+        );
+    }
+    model.dead_loads_n.clear();
+    model.chord_groups[0].kind = ChordKind::Suture;
+    for refused in [calculix(&model), febio(&model)] {
+        let faults = refused.unwrap_err();
+        assert!(
+            faults[0]
+                .message
+                .contains("are not exported; expected a valve that is not sewn"),
+            "{faults:?}"
         );
     }
 }

@@ -1,5 +1,6 @@
 //! What a closure found: as one object for machines, as a table for people, as surfaces for pictures.
 
+mod repairs;
 mod rows;
 mod surfaces;
 mod text;
@@ -8,9 +9,12 @@ use coapt::measure::{self, Measures};
 use coapt::model::{Model, Untangled};
 use coapt::relax::{Equilibrium, Status};
 use coapt::repair;
-use coapt::scene::{Fault, MMHG_MPA, RingFamily};
+use coapt::scene::{Fault, MMHG_MPA};
 use serde::Serialize;
 
+use repairs::repair_report;
+
+pub use repairs::{RepairReport, RingFigures};
 pub(crate) use surfaces::stage_closed_surface;
 pub use surfaces::{stage_results, write_closed_surface, write_results};
 pub use text::text;
@@ -137,37 +141,6 @@ pub struct Solve {
     pub discretisation_mm: f64,
 }
 
-/// What one repair did.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum RepairReport {
-    /// Annuloplasty.
-    Ring {
-        /// Family; none for a measured curve.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        family: Option<RingFamily>,
-        /// Inner transverse diameter [mm]; none for a measured curve.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        size_mm: Option<f64>,
-        /// Whether the ring is closed.
-        closed: bool,
-        /// Length of the ring [mm].
-        ring_length_mm: f64,
-        /// Length of the stretch of annulus sewn to it, before [mm].
-        annulus_length_mm: f64,
-        /// Mean distance by which sewn annulus points move [mm].
-        warp_mean_mm: f64,
-        /// Largest of these distances [mm].
-        warp_max_mm: f64,
-        /// Least length of an annulus edge after over before [1].
-        edge_stretch_min: f64,
-        /// Largest of these ratios [1].
-        edge_stretch_max: f64,
-        /// Angle between the planes of ring and annulus [degree].
-        tilt_deg: f64,
-    },
-}
-
 impl Report {
     /// Measures both states of a closure.
     pub fn new(closure: &Closure) -> Self {
@@ -241,22 +214,6 @@ fn untangled_report(untangled: &Untangled) -> UntangledReport {
         first_at_mm: untangled.first_at_mm.clone(),
         moved_points: untangled.moved_points,
         farthest_mm: untangled.farthest_mm,
-    }
-}
-
-fn repair_report(report: &repair::Report) -> RepairReport {
-    let repair::Report::Ring(ring) = report;
-    RepairReport::Ring {
-        family: ring.family,
-        size_mm: ring.size_mm,
-        closed: ring.closed,
-        ring_length_mm: ring.ring_length_mm,
-        annulus_length_mm: ring.annulus_length_mm,
-        warp_mean_mm: ring.warp_mean_mm,
-        warp_max_mm: ring.warp_max_mm,
-        edge_stretch_min: ring.edge_stretch_min,
-        edge_stretch_max: ring.edge_stretch_max,
-        tilt_deg: ring.tilt_degrees,
     }
 }
 

@@ -72,6 +72,10 @@ pub(super) fn groups(outcome: &Outcome) -> Vec<Group> {
             rows: chordae(m),
         },
         Group {
+            title: "Sutures and clips",
+            rows: sutures(m),
+        },
+        Group {
             title: "Force on the heart",
             rows: reactions(m),
         },
@@ -133,6 +137,17 @@ fn chordae(m: &Measures) -> Vec<Row> {
         ));
     }
     rows
+}
+
+fn sutures(m: &Measures) -> Vec<Row> {
+    let rows = m.sutures.iter().flat_map(|repair| {
+        let name = &repair.name;
+        [
+            row(format!("{name}: total tension"), "N", 2, repair.total_force_n),
+            row(format!("{name}: largest tension"), "N", 2, repair.max_force_n),
+        ]
+    });
+    rows.collect()
 }
 
 fn reactions(m: &Measures) -> Vec<Row> {

@@ -53,7 +53,9 @@ pub fn stage_results(
     stage_valve(batch, &folder.join("before"), &closure.before)?;
     stage_valve(batch, &folder.join("after"), after)?;
     for (number, report) in closure.repairs.iter().enumerate() {
-        let repair::Report::Ring(ring) = report;
+        let repair::Report::Ring(ring) = report else {
+            continue;
+        };
         let name = match number {
             0 => "ring.vtp".to_owned(),
             _ => format!("ring_{}.vtp", number + 1),

@@ -23,17 +23,27 @@ fn closed(model: Model) -> Closed {
 
 /// A healthy valve of 300 faces, before and after a ring.
 pub(super) fn closure_of(ring: &str) -> Closure {
+    closure_with(&[Repair::Ring(repair::parse_ring_spec(ring).unwrap())])
+}
+
+/// The same before and after any repairs.
+pub(super) fn closure_with(repairs: &[Repair]) -> Closure {
     let parameters = ValveParameters {
         face_count_target: 300,
         ..ValveParameters::default()
     };
     let model = Model::build(&generate(&parameters).unwrap()).unwrap().model;
-    let ring = repair::parse_ring_spec(ring).unwrap();
-    let repaired = repair::apply(&model, &Repair::Ring(ring)).unwrap();
+    let mut repaired = model.clone();
+    let mut reports = Vec::new();
+    for deed in repairs {
+        let done = repair::apply(&repaired, deed).unwrap();
+        repaired = done.model;
+        reports.push(done.report);
+    }
     Closure {
         before: closed(model),
-        after: Some(closed(repaired.model)),
-        repairs: vec![repaired.report],
+        after: Some(closed(repaired)),
+        repairs: reports,
         warnings: vec![Fault::warning("scene.toml:3", "leaflets: turned")],
         untangled: None,
     }

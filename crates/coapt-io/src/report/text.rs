@@ -3,10 +3,11 @@
 use std::fmt::Write;
 
 use coapt::relax::Status;
-use coapt::scene::{Readable, RingFamily};
+use coapt::scene::Readable;
 
+use super::repairs::repair_line;
 use super::rows::{Row, groups};
-use super::{RepairReport, Report, Solve, UntangledReport};
+use super::{Report, Solve, UntangledReport};
 use crate::escape::escaped;
 
 /// Longest line.
@@ -113,7 +114,8 @@ fn table(out: &mut String, report: &Report) {
     let after = report.after.as_ref().map(groups);
     let mut heads = after.as_ref().map(|_| ["before", "after", "change"]);
     for (number, group) in before.iter().enumerate() {
-        if group.rows.is_empty() {
+        let later = after.as_ref().map_or(&[][..], |groups| &groups[number].rows);
+        if group.rows.is_empty() && later.is_empty() {
             continue;
         }
         let title = group.title;
@@ -125,12 +127,30 @@ fn table(out: &mut String, report: &Report) {
             ),
             None => writeln!(out, "\n{title}"),
         };
-        let later = after.as_ref().and_then(|groups| groups.get(number));
         for (number, row) in group.rows.iter().enumerate() {
-            let later = later.and_then(|group| group.rows.get(number));
-            let _ = writeln!(out, "{}", row_line(row, later));
+            let _ = writeln!(out, "{}", row_line(row, same_row(later, number, row)));
+        }
+        let is_new = |(number, row): &(usize, &Row)| same_row(&group.rows, *number, row).is_none();
+        for (_, row) in later.iter().enumerate().filter(is_new) {
+            let _ = writeln!(out, "{}", new_row_line(row));
         }
     }
+}
+
+/// The row of that number if it has the same name, else one that has: a repair may add chordae and sutures.
+fn same_row<'a>(rows: &'a [Row], number: usize, row: &Row) -> Option<&'a Row> {
+    let same = |other: &&Row| other.name == row.name;
+    rows.get(number).filter(same).or_else(|| rows.iter().find(same))
+}
+
+/// A row of what only the repaired valve has.
+fn new_row_line(row: &Row) -> String {
+    let name = format!("  {}", shortened(&row.name, NAME - 2));
+    let after = number(row.value, row.digits);
+    format!(
+        "{name:NAME$} {:UNIT$}{:>VALUE$}{after:>VALUE$}{:>VALUE$}",
+        row.unit, "-", "-"
+    )
 }
 
 fn row_line(row: &Row, later: Option<&Row>) -> String {
@@ -177,33 +197,6 @@ fn shortened(text: &str, width: usize) -> String {
         .collect()
 }
 
-fn repair_line(repair: &RepairReport) -> String {
-    let RepairReport::Ring {
-        family,
-        size_mm,
-        closed,
-        ring_length_mm,
-        annulus_length_mm,
-        warp_mean_mm,
-        warp_max_mm,
-        ..
-    } = repair;
-    let kind = if *closed { "closed" } else { "open" };
-    let shape = match (family.and_then(family_name), size_mm) {
-        (Some(name), Some(size)) => format!("ring {name}, size {size} mm"),
-        _ => "measured ring".to_owned(),
-    };
-    format!(
-        "{shape} ({kind}, {ring_length_mm:.1} mm long) on {annulus_length_mm:.1} mm of annulus, which moves \
-         {warp_mean_mm:.1} mm on average, {warp_max_mm:.1} mm at most"
-    )
-}
-
-/// The name of a family as in plans.
-fn family_name(family: RingFamily) -> Option<String> {
-    Some(serde_json::to_value(family).ok()?.as_str()?.to_owned())
-}
-
 /// A paragraph that begins with a word and a colon.
 pub(crate) fn line(out: &mut String, word: &str, text: &str) {
     wrapped(out, &format!("{word}: "), text);
@@ -233,8 +226,9 @@ pub(crate) fn wrapped(out: &mut String, start: &str, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::super::rows::row;
-    use super::super::tests::{closure_of, spoil};
+    use super::super::tests::{closure_of, closure_with, spoil};
     use super::*;
+    use coapt::scene::{Clip, Neochord, Repair, Site};
 
     #[test]
     fn lines_are_aligned_and_not_wider_than_a_screen() {
@@ -254,6 +248,68 @@ mod tests {
         assert!(text.lines().any(|line| ends(line) && line.ends_with("change")));
         assert!(text.ends_with("research use, not a medical device\n"));
         assert!(text.contains("warning: word word"));
+    }
+
+    /// A row of what the repair put in has a dash before, and no change; the others are paired by name, whatever comes between.
+    #[test]
+    fn what_a_repair_adds_has_rows_of_its_own() {
+        let clip = Clip {
+            site: Some(Site::A2P2),
+            ..Clip::default()
+        };
+        let neochord = Neochord {
+            position: Some(0.35),
+            ..Neochord::to("posterior")
+        };
+        let report = Report::new(&closure_with(&[Repair::Neochord(neochord), Repair::Clip(clip)]));
+        let text = text(&report);
+        let row = |name: &str| {
+            text.lines()
+                .find(|line| line.trim_start().starts_with(name))
+                .unwrap_or_default()
+        };
+        let cells = |name: &str| {
+            row(name)
+                .split_whitespace()
+                .rev()
+                .take(3)
+                .map(str::to_owned)
+                .collect::<Vec<_>>()
+        };
+        for new in [
+            "clip A2P2: total tension",
+            "neochord posterior 0.35: largest tension",
+        ] {
+            let [change, after, before] = &cells(new)[..] else {
+                panic!("{text}")
+            };
+            assert!(
+                change == "-" && before == "-" && after.parse::<f64>().is_ok(),
+                "{text}"
+            );
+        }
+        assert!(
+            cells("strut: total tension")
+                .iter()
+                .all(|cell| cell.parse::<f64>().is_ok()),
+            "{text}"
+        );
+        assert!(text.contains("\nSutures and clips"), "{text}");
+        assert!(
+            text.contains("repair: clip A2P2: arms 9 mm long and 4 mm wide"),
+            "{text}"
+        );
+        assert!(
+            text.contains("repair: neochord posterior 0.35: 2 strands from tip"),
+            "{text}"
+        );
+        let json: serde_json::Value = serde_json::from_str(&report.json().unwrap()).unwrap();
+        assert_eq!(
+            (&json["repairs"][0]["kind"], &json["repairs"][1]["kind"]),
+            (&"neochord".into(), &"clip".into())
+        );
+        assert_eq!(json["repairs"][1]["name"], "clip A2P2");
+        assert!(json["after"]["sutures"][0]["total_force_n"].as_f64() > Some(0.0));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::Vec3;
 use crate::energy::chord::{Chords, WeightedVertices};
 use crate::mesh::topology;
 use crate::model::elasticity::{Elasticity, Sheet, elasticity};
-use crate::model::{AnnulusLandmarks, Margin, Model, Papillary, Prescribed};
+use crate::model::{AnnulusLandmarks, ChordKind, Margin, Model, Papillary, Prescribed};
 
 /// A chord whose insertion moves is never made shorter than this part of its length [1]: only chords as slack as
 /// they are long come near it, and a rest length must stay above 0.
@@ -110,7 +110,8 @@ fn landmarks(model: &Model, numbers: &[u32]) -> AnnulusLandmarks {
     }
 }
 
-/// The same chords; where a vertex that shares in an insertion is gone, those stand in that carry it along.
+/// The same chords; where a vertex that shares in an insertion is gone, those stand in that carry it along, and chordae are
+/// as slack as they were.
 fn chords(model: &Model, prolongation: &Prolongation, coarse_rest_mm: &[Vec3]) -> Chords {
     let fine = &model.chords;
     let mut chords = fine.clone();
@@ -120,6 +121,10 @@ fn chords(model: &Model, prolongation: &Prolongation, coarse_rest_mm: &[Vec3]) -
         .map(|point| carried(point, prolongation))
         .collect();
     for (segment, &[a, b]) in fine.ends.iter().enumerate() {
+        // A suture's length is that of the stitch, wherever it is set.
+        if model.chord_groups[fine.group[segment] as usize].kind == ChordKind::Suture {
+            continue;
+        }
         let open = |chords: &Chords, rest_mm: &[Vec3]| {
             (chords.point_mm(a, rest_mm) - chords.point_mm(b, rest_mm)).norm()
         };

@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use crate::Vec3;
-use crate::model::Model;
+use crate::model::{ChordGroup, ChordKind, Model};
 
-/// Chordal tensions.
+/// Chordal tensions, of the patient's own chordae and of neochordae.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ChordMeasures {
     /// Largest tension of any segment [N].
@@ -13,7 +13,7 @@ pub struct ChordMeasures {
     /// Sum of the tensions of the segments that insert into a leaflet [N]; so a chord of several segments counts once
     /// and a branched one by its branches.
     pub total_force_n: f64,
-    /// The same per group, shape `[group]`.
+    /// The same per group, shape `[group of chordae]`.
     pub groups: Vec<ChordGroupMeasures>,
 }
 
@@ -25,6 +25,17 @@ pub struct ChordGroupMeasures {
     /// Largest tension of any segment [N].
     pub max_force_n: f64,
     /// Sum of the tensions of the segments that insert into a leaflet [N].
+    pub total_force_n: f64,
+}
+
+/// Tensions of the sutures of one repair: stitches, or what the grip of a clip carries.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SutureMeasures {
+    /// Name of the repair.
+    pub name: String,
+    /// Largest tension of any suture [N].
+    pub max_force_n: f64,
+    /// Sum of the tensions [N].
     pub total_force_n: f64,
 }
 
@@ -43,38 +54,61 @@ pub fn chord_forces(model: &Model, positions_mm: &[Vec3]) -> Vec<f64> {
     model.chords.tensions_n(positions_mm)
 }
 
-/// Largest tension and the total, over all chords and per group.
+/// Largest tension and the total, over all chordae and per group of chordae.
 pub(super) fn chords(model: &Model, positions_mm: &[Vec3]) -> ChordMeasures {
-    let none = |name: &String| ChordGroupMeasures {
-        name: name.clone(),
-        max_force_n: 0.0,
-        total_force_n: 0.0,
-    };
-    let mut m = ChordMeasures {
-        groups: model.chord_groups.iter().map(none).collect(),
-        ..Default::default()
-    };
     let tensions = chord_forces(model, positions_mm);
-    for ((tension, ends), &group) in tensions
-        .into_iter()
-        .zip(&model.chords.ends)
-        .zip(&model.chords.group)
-    {
-        let inserts = ends.iter().any(|&point| {
-            let vertices = &model.chords.points[point as usize];
-            vertices
-                .iter()
-                .any(|&(v, _)| (v as usize) < model.leaflet_vertex_count)
-        });
-        let total = if inserts { tension } else { 0.0 };
-        m.max_force_n = m.max_force_n.max(tension);
-        m.total_force_n += total;
-        if let Some(g) = m.groups.get_mut(group as usize) {
-            g.max_force_n = g.max_force_n.max(tension);
-            g.total_force_n += total;
+    let is_suture = |group: &ChordGroup| group.kind == ChordKind::Suture;
+    let mut m = ChordMeasures::default();
+    for (number, group) in model.chord_groups.iter().enumerate() {
+        if is_suture(group) {
+            continue;
         }
+        let [max_force_n, total_force_n] = of_group(model, &tensions, number);
+        m.max_force_n = m.max_force_n.max(max_force_n);
+        m.total_force_n += total_force_n;
+        m.groups.push(ChordGroupMeasures {
+            name: group.name.clone(),
+            max_force_n,
+            total_force_n,
+        });
     }
     m
+}
+
+/// The same of each repair that sewed leaflets together.
+pub(super) fn sutures(model: &Model, positions_mm: &[Vec3]) -> Vec<SutureMeasures> {
+    let tensions = chord_forces(model, positions_mm);
+    let groups = model.chord_groups.iter().enumerate();
+    let sutures = groups.filter(|(_, group)| group.kind == ChordKind::Suture);
+    let measured = sutures.map(|(number, group)| {
+        let [max_force_n, total_force_n] = of_group(model, &tensions, number);
+        SutureMeasures {
+            name: group.name.clone(),
+            max_force_n,
+            total_force_n,
+        }
+    });
+    measured.collect()
+}
+
+/// Largest tension in a group, and the sum over its segments that insert into a leaflet [N].
+fn of_group(model: &Model, tensions_n: &[f64], group: usize) -> [f64; 2] {
+    let chords = &model.chords;
+    let (mut largest, mut total) = (0.0_f64, 0.0);
+    for (segment, &tension) in tensions_n.iter().enumerate() {
+        if chords.group[segment] as usize != group {
+            continue;
+        }
+        let inserts = chords.ends[segment].iter().any(|&point| {
+            let vertices = &chords.points[point as usize];
+            vertices
+                .iter()
+                .any(|&(vertex, _)| (vertex as usize) < model.leaflet_vertex_count)
+        });
+        largest = largest.max(tension);
+        total += if inserts { tension } else { 0.0 };
+    }
+    [largest, total]
 }
 
 /// Force of the valve on each papillary muscle: sum over its tips.
@@ -125,7 +159,14 @@ mod tests {
             group: vec![1, 0, 0, 1],
             laws: vec![ChordLaw::Linear { modulus_mpa: 10.0 }; 2],
         };
-        model.chord_groups = vec!["marginal".into(), "strut".into()];
+        let group = |name: &str, kind| ChordGroup {
+            name: name.into(),
+            kind,
+        };
+        model.chord_groups = vec![
+            group("marginal", ChordKind::Chorda),
+            group("strut", ChordKind::Neochorda),
+        ];
         model.papillary = vec![Papillary {
             name: "anterolateral".into(),
             tips: vec![tip],
@@ -153,6 +194,25 @@ mod tests {
             "{m:?}"
         );
         assert!((group(1).0 - 5.0).abs() < 1e-12 && group(1).1 == 0.0, "{m:?}");
+    }
+
+    /// The same as sutures: no chord pulls 5 N any more, the sutures do.
+    #[test]
+    fn sutures_are_told_apart() {
+        let mut model = hung();
+        model.chord_groups[1].kind = ChordKind::Suture;
+        let m = chords(&model, &model.rest_mm);
+        assert_eq!(m.groups.len(), 1);
+        assert!(
+            (m.max_force_n - 3.0).abs() < 1e-12 && (m.total_force_n - 5.5).abs() < 1e-12,
+            "{m:?}"
+        );
+        let sewn = sutures(&model, &model.rest_mm);
+        assert_eq!(sewn.len(), 1);
+        assert!(
+            (sewn[0].max_force_n - 5.0).abs() < 1e-12 && sewn[0].name == "strut",
+            "{sewn:?}"
+        );
     }
 
     /// Reactions are summed over the right vertices; missing and undefined ones count as zero.

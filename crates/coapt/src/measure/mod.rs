@@ -38,7 +38,7 @@ use crate::model::Model;
 pub use annulus::AnnulusMeasures;
 pub use coaptation::CoaptationMeasures;
 pub use diastole::{DiastolicOrifice, diastolic_orifice};
-pub use forces::{ChordGroupMeasures, ChordMeasures, PapillaryMeasures, chord_forces};
+pub use forces::{ChordGroupMeasures, ChordMeasures, PapillaryMeasures, SutureMeasures, chord_forces};
 pub use gap::{gap_mm, in_contact};
 pub use leaflet::{LeafletMeasures, vertex_strain};
 pub use orifice::OrificeMeasures;
@@ -63,6 +63,8 @@ pub struct Measures {
     pub leaflets: Vec<LeafletMeasures>,
     /// Chordal tensions.
     pub chords: ChordMeasures,
+    /// Tensions of what holds the leaflets together, shape `[repair that sews]`.
+    pub sutures: Vec<SutureMeasures>,
     /// Forces on the papillary muscles, shape `[papillary muscle]`.
     pub papillary: Vec<PapillaryMeasures>,
     /// Force of the valve on the whole annulus [N].
@@ -90,6 +92,7 @@ pub fn measure(model: &Model, positions_mm: &[Vec3], nodal_reaction_n: &[Vec3]) 
         billow,
         leaflets: leaflet::leaflets(model, &surface),
         chords: forces::chords(model, positions_mm),
+        sutures: forces::sutures(model, positions_mm),
         papillary: forces::papillary(model, nodal_reaction_n),
         annulus_force_n: forces::annulus_force_n(model, nodal_reaction_n),
     }

@@ -6,7 +6,7 @@ use super::elasticity::{Elasticity, Sheet, elasticity};
 use super::faults::Faults;
 use super::surface::{self, Surface};
 use super::untangle::{self, Untangled};
-use super::{AnnulusLandmarks, LeafletTissue, Model, Papillary, Prescribed};
+use super::{AnnulusLandmarks, ChordGroup, LeafletTissue, Model, Papillary, Prescribed};
 use super::{annulus_checks, cleaning, facing, mesh_quality, size, validate};
 use crate::Vec3;
 use crate::mesh::landmarks::{self, LandmarkInput};
@@ -170,7 +170,11 @@ fn assemble(
         faces: surface.faces.clone(),
         face_leaflet: surface.face_leaflet.clone(),
         leaflets,
-        chord_groups: scene.chordae.iter().map(|group| group.name.clone()).collect(),
+        chord_groups: scene
+            .chordae
+            .iter()
+            .map(|group| ChordGroup::chordae(&group.name))
+            .collect(),
         pressure_mpa: scene.load.pressure_mpa().unwrap_or(0.0),
         dead_loads_n: Vec::new(),
         contact: scene.contact,

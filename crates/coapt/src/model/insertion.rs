@@ -6,7 +6,9 @@
 use crate::Vec3;
 use crate::energy::chord::WeightedVertices;
 
+use super::Model;
 use super::surface::Surface;
+use crate::scene::default_insertion_radius_mm;
 
 /// Weights are integrated over pieces of triangles this much smaller than the patch's radius [1]. Fewer, and weights
 /// begin to depend on the mesh.
@@ -55,6 +57,21 @@ pub(crate) fn foot(leaflet: &Surface, point: Vec3, reach_mm: f64) -> Option<Foot
         }
     }
     best
+}
+
+/// The insertion at the place of one leaflet of a model that is nearest to a point of the open valve, if it is in reach.
+pub(crate) fn insertion_near(model: &Model, leaflet: u32, point: Vec3, reach_mm: f64) -> Option<Insertion> {
+    let of_leaflet = |&face: &usize| model.face_leaflet[face] == leaflet;
+    let faces = (0..model.faces.len())
+        .filter(of_leaflet)
+        .map(|face| model.faces[face]);
+    let surface = Surface {
+        points: model.rest_mm[..model.leaflet_vertex_count].to_vec(),
+        faces: faces.collect(),
+        ..Surface::default()
+    };
+    let foot = foot(&surface, point, reach_mm)?;
+    Some(Spread::new(&surface).insertion(&foot, default_insertion_radius_mm()))
 }
 
 /// Weights of a triangle's corners at its point nearest to another (Ericson 2005, Real-Time Collision Detection, 5.1.5).

@@ -31,6 +31,7 @@ mod validate_tissue;
 
 pub use build::Built;
 pub use doubts::doubts;
+pub(crate) use insertion::{Insertion, insertion_near};
 pub use untangle::Untangled;
 pub(crate) use validate_tissue::tissue_faults;
 
@@ -64,8 +65,8 @@ pub struct Model {
     pub hinges: Hinges,
     /// Chordae.
     pub chords: Chords,
-    /// Names of the chord groups.
-    pub chord_groups: Vec<String>,
+    /// What the chords of each group are, shape `[chord group]`; their laws stand in `chords`.
+    pub chord_groups: Vec<ChordGroup>,
     /// Transvalvular pressure [MPa].
     pub pressure_mpa: f64,
     /// Forces on vertices besides [N]; a scene gives none.
@@ -85,6 +86,36 @@ pub struct Model {
     pub prescribed: Vec<Prescribed>,
     /// How the equilibrium is sought.
     pub settings: Settings,
+}
+
+/// Chords of one name and kind.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChordGroup {
+    /// Name in reports.
+    pub name: String,
+    /// What they are.
+    pub kind: ChordKind,
+}
+
+impl ChordGroup {
+    /// The patient's own chordae of this name.
+    pub fn chordae(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            kind: ChordKind::Chorda,
+        }
+    }
+}
+
+/// What carries tension along a straight line. All follow the same laws, but they are reported and fitted apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChordKind {
+    /// A chord of the patient's own.
+    Chorda,
+    /// A chord that a surgeon strung from a papillary tip to a leaflet.
+    Neochorda,
+    /// A thread, or the grip of a clip, that holds two places of the leaflets together.
+    Suture,
 }
 
 /// What a leaflet is made of.

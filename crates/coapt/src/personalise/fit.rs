@@ -4,7 +4,7 @@ use super::closures::{Closed, Closures};
 use super::parameters::Parameters;
 use super::regression::{Regression, regress};
 use super::{ChordFit, FitSettings, FitStatus, GroupScale, Target, Watch};
-use crate::model::Model;
+use crate::model::{ChordGroup, ChordKind, Model};
 
 /// Distance between the factors of the scan [1]: half the reach over which distances of all presets are linear in the factor
 /// to a tenth. A scan four times as fine finds the same valley.
@@ -55,13 +55,17 @@ pub(super) fn fit(model: &Model, target: &Target, settings: &FitSettings, watch:
 }
 
 fn unfitted(model: &Model, settings: &FitSettings) -> Vec<GroupScale> {
-    let group = |name: &String| GroupScale {
-        name: name.clone(),
+    let group = |group: &ChordGroup| GroupScale {
+        name: group.name.clone(),
         scale: 1.0,
         interval_95: settings.scale_range,
         identified: false,
     };
-    model.chord_groups.iter().map(group).collect()
+    let native = model
+        .chord_groups
+        .iter()
+        .filter(|group| group.kind == ChordKind::Chorda);
+    native.map(group).collect()
 }
 
 /// The valve as given, and the best of one factor for all.
@@ -69,10 +73,12 @@ fn scan(closures: &mut Closures, settings: &FitSettings) -> (Option<Closed>, Opt
     let [least, most] = settings.scale_range;
     let count = ((most - least) / SCAN_STEP).ceil();
     let factors = (0..=count as u32).map(|k| least + (most - least) * f64::from(k) / count);
-    let groups = closures.model.chord_groups.len();
+    let one_for_all = Parameters::new(&closures.model.chord_groups, false);
+    let none_changed = vec![1.0; closures.model.chord_groups.len()];
+    let all_times = |factor: f64| one_for_all.one_moved(&none_changed, 0, factor - 1.0);
     let scales = std::iter::once(1.0).chain(factors);
-    let mut closed = closures.close_all(scales.map(|factor| vec![factor; groups]).collect(), None);
-    let in_range = |closed: &&Closed| (least..=most).contains(&closed.scale[0]);
+    let mut closed = closures.close_all(scales.map(all_times).collect(), None);
+    let in_range = |closed: &&Closed| (least..=most).contains(&one_for_all.value(0, &closed.scale));
     let error = |closed: &Closed| closed.misfit.of_all().mean_mm;
     let best = closed.iter().flatten().filter(in_range);
     let best = best.min_by(|a, b| error(a).total_cmp(&error(b))).cloned();
@@ -85,38 +91,31 @@ fn refine(
     best: Closed,
     settings: &FitSettings,
 ) -> Option<(FitStatus, Vec<GroupScale>, Closed)> {
-    let groups = closures.model.chord_groups.len();
-    let mut parameters = Parameters::new(groups, false);
+    let chord_groups = &closures.model.chord_groups;
+    let mut parameters = Parameters::new(chord_groups, false);
     let (mut closed, mut regression, mut arrived) = descend(closures, best, &parameters, &RADII, settings)?;
     if settings.per_group {
-        parameters = Parameters::new(groups, true);
+        parameters = Parameters::new(chord_groups, true);
         (closed, regression, arrived) = descend(closures, closed, &parameters, &RADII_PER_GROUP, settings)?;
     }
     let intervals = intervals(closures, &closed, &parameters, &regression, settings);
-    let group = |(group, name): (usize, &String)| {
-        let interval_95 = intervals[parameters.of_group[group]];
-        GroupScale {
-            name: name.clone(),
+    let fitted = |(group, parameter): (usize, &Option<usize>)| {
+        let interval_95 = intervals[(*parameter)?];
+        Some(GroupScale {
+            name: chord_groups[group].name.clone(),
             scale: closed.scale[group],
             interval_95,
             identified: interval_95[1] - interval_95[0] < WIDEST_IDENTIFIED,
-        }
+        })
     };
-    let groups = closures
-        .model
-        .chord_groups
-        .iter()
-        .enumerate()
-        .map(group)
-        .collect();
-    let at_bound = |scale: &f64| {
-        settings
-            .scale_range
-            .iter()
-            .any(|end| (scale - end).abs() < AT_BOUND)
+    let of_group = parameters.of_group.iter().enumerate();
+    let groups: Vec<GroupScale> = of_group.filter_map(fitted).collect();
+    let at_bound = |group: &GroupScale| {
+        let to = |end: &f64| (group.scale - end).abs() < AT_BOUND;
+        settings.scale_range.iter().any(to)
     };
     let status = match arrived {
-        _ if closed.scale.iter().any(at_bound) => FitStatus::AtBound,
+        _ if groups.iter().any(at_bound) => FitStatus::AtBound,
         true => FitStatus::Fitted,
         false => FitStatus::IterationLimit,
     };

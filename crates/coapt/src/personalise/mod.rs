@@ -36,7 +36,7 @@ use std::ops::ControlFlow;
 use serde::Serialize;
 
 use crate::Vec3;
-use crate::model::Model;
+use crate::model::{ChordKind, Model};
 use crate::relax::{Equilibrium, Moment};
 use crate::repair::{self, Repaired};
 use crate::scene::{Attachment, Fault, Readable, Repair, Ring};
@@ -79,7 +79,8 @@ impl Default for FitSettings {
 pub struct ChordFit {
     /// Whether there is a result, and which doubts it leaves.
     pub status: FitStatus,
-    /// The factors, shape `[chord group]`; all one without a result.
+    /// The factors of the patient's own chordae, shape `[group]`, all one without a result. Sutures and neochordae keep their
+    /// lengths.
     pub groups: Vec<GroupScale>,
     /// The valve as given, closed; nothing where that closure did not converge.
     pub untuned: Option<Tried>,
@@ -148,7 +149,7 @@ impl Tried {
 /// One closure of the search.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trial {
-    /// Factors, shape `[chord group]`.
+    /// Factors, shape `[chord group]`; one for sutures and neochordae.
     pub scale: Vec<f64>,
     /// Whether it began at another closed state instead of the open one.
     pub warm: bool,
@@ -200,7 +201,8 @@ const FARTHEST_MM: f64 = 200.0;
 
 fn faults(model: &Model, target: &Target, settings: &FitSettings) -> Vec<Fault> {
     let mut faults = Vec::new();
-    if model.chords.ends.is_empty() {
+    let native = |&group: &u32| model.chord_groups[group as usize].kind == ChordKind::Chorda;
+    if !model.chords.group.iter().any(native) {
         faults.push(Fault::error(
             "chordae",
             "the valve has none: nothing can be fitted",

@@ -1,9 +1,11 @@
 //! Which factors are free.
 
+use crate::model::{ChordGroup, ChordKind};
+
 /// Each parameter of a fit is the factor of one group of chordae or of all.
 pub(super) struct Parameters {
-    /// The parameter of each group.
-    pub(super) of_group: Vec<usize>,
+    /// The parameter of each group; none for what a surgeon put in, whose length is known.
+    pub(super) of_group: Vec<Option<usize>>,
     /// How many there are.
     pub(super) count: usize,
 }
@@ -13,18 +15,27 @@ const ROUNDING: f64 = 1e-9;
 
 impl Parameters {
     /// One for each group, or one for all.
-    pub(super) fn new(groups: usize, per_group: bool) -> Self {
-        let of_group = (0..groups).map(|group| if per_group { group } else { 0 });
+    pub(super) fn new(groups: &[ChordGroup], per_group: bool) -> Self {
+        let mut count = 0;
+        let of_group = groups.iter().map(|group| {
+            let parameter = if per_group { count } else { 0 };
+            let is_native = group.kind == ChordKind::Chorda;
+            count += usize::from(is_native);
+            is_native.then_some(parameter)
+        });
         Self {
             of_group: of_group.collect(),
-            count: if per_group { groups } else { 1 },
+            count: if per_group { count } else { 1 },
         }
     }
 
     /// The factors of the groups after a step of the parameters, within a range.
     pub(super) fn moved(&self, scale: &[f64], step: &[f64], [least, most]: [f64; 2]) -> Vec<f64> {
         let pairs = scale.iter().zip(&self.of_group);
-        let moved = pairs.map(|(factor, &parameter)| (factor + step[parameter]).clamp(least, most));
+        let moved = pairs.map(|(factor, &parameter)| match parameter {
+            Some(parameter) => (factor + step[parameter]).clamp(least, most),
+            None => *factor,
+        });
         moved.collect()
     }
 
@@ -45,7 +56,7 @@ impl Parameters {
 
     /// The value of a parameter.
     pub(super) fn value(&self, parameter: usize, scale: &[f64]) -> f64 {
-        let group = self.of_group.iter().position(|&p| p == parameter);
+        let group = self.of_group.iter().position(|&p| p == Some(parameter));
         group.map_or(1.0, |group| scale[group])
     }
 
@@ -56,5 +67,36 @@ impl Parameters {
         let reached = self.moved(from, &offsets, [f64::NEG_INFINITY, f64::INFINITY]);
         let same = reached.iter().zip(to).all(|(a, b)| (a - b).abs() < ROUNDING);
         same.then_some(offsets)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of native chordae, a clip's sutures and native chordae again, the middle group has no parameter and keeps its factor.
+    #[test]
+    fn what_a_surgeon_put_in_is_not_fitted() {
+        let suture = ChordGroup {
+            name: "clip".into(),
+            kind: ChordKind::Suture,
+        };
+        let groups = [
+            ChordGroup::chordae("marginal"),
+            suture,
+            ChordGroup::chordae("strut"),
+        ];
+        let for_all = Parameters::new(&groups, false);
+        assert_eq!(
+            (for_all.count, for_all.one_moved(&[1.0; 3], 0, 0.25)),
+            (1, vec![1.25, 1.0, 1.25])
+        );
+        let each = Parameters::new(&groups, true);
+        assert_eq!(each.of_group, [Some(0), None, Some(1)]);
+        assert_eq!(
+            (each.count, each.one_moved(&[1.0; 3], 1, 0.25)),
+            (2, vec![1.0, 1.0, 1.25])
+        );
+        assert_eq!(each.value(1, &[1.0, 7.0, 1.25]), 1.25);
     }
 }

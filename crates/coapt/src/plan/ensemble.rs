@@ -261,7 +261,9 @@ impl Normal {
     fn new(seed: u64, number: u32) -> Self {
         let mut generator = Pcg64Mcg::new(u128::from(seed) << 32 | u128::from(number));
         // Neighbouring states begin alike.
-        (0..8).for_each(|_| drop(generator.next_u64()));
+        for _ in 0..8 {
+            generator.next_u64();
+        }
         Self(generator)
     }
 

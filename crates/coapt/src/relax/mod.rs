@@ -3,6 +3,7 @@
 pub mod block_matrix;
 pub mod certificate;
 pub mod cholesky;
+mod circles;
 mod elastic;
 mod escape;
 pub mod krylov;

@@ -5,6 +5,7 @@
 //! as contact allows, and the step is shortened until the force no longer points back along it. Near the equilibrium K
 //! is the exact tangent and a few products with the true, unsymmetric one sharpen the step.
 
+use super::circles::goes_in_circles;
 use super::elastic::Moved;
 use super::line_search::Acceptance;
 use super::load;
@@ -181,7 +182,8 @@ impl<'a> Newton<'a> {
             let exact = self.newton_step(positions, residual, moving);
             let longest = self.limit_step();
             self.bound_step(positions);
-            let acceptance = match (moving, exact && idle > IDLE_LIMIT) {
+            let strict = goes_in_circles(&residuals) || exact && idle > IDLE_LIMIT;
+            let acceptance = match (moving, strict) {
                 (true, _) => Acceptance::Any,
                 (false, true) => Acceptance::Strict,
                 (false, false) => Acceptance::Progress,

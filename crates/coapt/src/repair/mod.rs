@@ -1,14 +1,36 @@
 //! What a surgeon does to the valve: one file per deed. A repair makes a new model and leaves the old one as it is.
 
+pub mod alfieri;
+mod chord_choice;
+mod chord_ends;
+pub mod clip;
+pub mod close_cleft;
+mod closure_line;
+pub mod cut_chord;
+pub mod leaflet;
+pub mod neochord;
 pub mod placement;
+pub mod relocate_papillary;
 pub mod ring;
 pub mod ring_attachment;
 mod ring_candidates;
 mod ring_laying;
 pub mod ring_shape;
+mod rods;
+pub mod rupture;
+pub mod site;
+pub mod sutures;
+pub mod transfer_chord;
 
+pub use alfieri::AlfieriReport;
+pub use clip::ClipReport;
+pub use close_cleft::CleftReport;
+pub use cut_chord::CutReport;
+pub use neochord::NeochordReport;
+pub use relocate_papillary::RelocationReport;
 pub use ring::RingReport;
 pub use ring_shape::parse_ring_spec;
+pub use transfer_chord::TransferReport;
 
 use crate::model::Model;
 use crate::scene::{Fault, Repair};
@@ -29,6 +51,22 @@ pub struct Repaired {
 pub enum Report {
     /// Annuloplasty.
     Ring(RingReport),
+    /// Edge-to-edge repair with a clip.
+    Clip(ClipReport),
+    /// Edge-to-edge repair with stitches.
+    Alfieri(AlfieriReport),
+    /// Artificial chordae.
+    Neochord(NeochordReport),
+    /// Chordae cut.
+    CutChord(CutReport),
+    /// A chord set elsewhere.
+    TransferChord(TransferReport),
+    /// Chordae torn.
+    Rupture(CutReport),
+    /// A papillary muscle drawn elsewhere.
+    RelocatePapillary(RelocationReport),
+    /// An indentation sewn up.
+    CloseCleft(CleftReport),
 }
 
 /// Applies one repair.
@@ -38,5 +76,13 @@ pub enum Report {
 pub fn apply(model: &Model, repair: &Repair) -> Result<Repaired, Vec<Fault>> {
     match repair {
         Repair::Ring(ring) => ring::implant(model, ring),
+        Repair::Clip(clip) => clip::clip(model, clip),
+        Repair::Alfieri(stitches) => alfieri::stitch(model, stitches),
+        Repair::Neochord(neochord) => neochord::string_neochord(model, neochord),
+        Repair::CutChord(cut) => cut_chord::cut(model, cut),
+        Repair::TransferChord(transfer) => transfer_chord::transfer(model, transfer),
+        Repair::Rupture(rupture) => rupture::rupture(model, rupture),
+        Repair::RelocatePapillary(relocation) => relocate_papillary::relocate(model, relocation),
+        Repair::CloseCleft(cleft) => close_cleft::close(model, cleft),
     }
 }

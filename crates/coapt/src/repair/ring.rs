@@ -74,6 +74,7 @@ pub fn implant(model: &Model, ring: &Ring) -> Result<Repaired, Vec<Fault>> {
     })
 }
 
+/// Where the annulus is when the valve is closed [mm], shape `[annulus vertex]`.
 pub(super) fn annulus_targets(model: &Model) -> Vec<Vec3> {
     let target = |&vertex: &u32| match model.prescribed.binary_search_by_key(&vertex, |p| p.vertex) {
         Ok(found) => model.prescribed[found].target_mm,
@@ -197,7 +198,9 @@ pub(super) mod tests {
     pub(in super::super) fn done(model: &Model, ring: &Ring) -> (Model, RingReport, Vec<Fault>) {
         let repaired =
             apply(model, &Repair::Ring(ring.clone())).unwrap_or_else(|faults| panic!("{faults:#?}"));
-        let Report::Ring(report) = repaired.report;
+        let Report::Ring(report) = repaired.report else {
+            panic!("{:?}", repaired.report);
+        };
         (repaired.model, report, repaired.warnings)
     }
 

@@ -28,7 +28,7 @@ use coapt::scene::Fault;
 pub(super) use mesh::Numbering;
 
 use super::material::materials;
-use super::{heading, put, refuse_dead_loads};
+use super::{heading, put, refuse_what_no_scene_has};
 use chordae::{put_chordae, put_masses};
 use mesh::{put_nodes, put_wedges};
 use tissue::{LAWS, card, description, put_materials};
@@ -39,9 +39,9 @@ pub(super) const END_TIME: f64 = 3.0;
 /// The input file of a model.
 ///
 /// # Errors
-/// A leaflet whose law CalculiX does not have, or dead loads.
+/// A leaflet whose law CalculiX does not have, dead loads, or sutures.
 pub fn calculix(model: &Model) -> Result<String, Vec<Fault>> {
-    refuse_dead_loads(model)?;
+    refuse_what_no_scene_has(model)?;
     let materials = materials(model, "CalculiX", LAWS, |material| card(material).is_some())?;
     let cards: Vec<String> = materials.iter().map(description).collect();
     let lost = [

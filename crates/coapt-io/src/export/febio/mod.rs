@@ -13,7 +13,7 @@ use coapt::model::{Model, Prescribed};
 use coapt::scene::Fault;
 
 use super::material::{chord_curve, materials};
-use super::{heading, put, refuse_dead_loads};
+use super::{heading, put, refuse_what_no_scene_has};
 use mesh::{insertions, pairs, put_mesh};
 use tissue::{LAWS, description, put_materials};
 
@@ -26,9 +26,9 @@ const LOG: &str = "closed_nodes.txt";
 /// The input file of a model. Its run writes a log `closed_nodes.txt` of the nodes' places.
 ///
 /// # Errors
-/// A leaflet whose law FEBio does not have, or dead loads.
+/// A leaflet whose law FEBio does not have, dead loads, or sutures.
 pub fn febio(model: &Model) -> Result<String, Vec<Fault>> {
-    refuse_dead_loads(model)?;
+    refuse_what_no_scene_has(model)?;
     let materials = materials(model, "FEBio", LAWS, |_| true)?;
     let cards: Vec<String> = materials.iter().map(description).collect();
     let lost = [

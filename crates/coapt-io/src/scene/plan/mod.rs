@@ -177,20 +177,19 @@ fn combinations(block: Block, files: &mut Files) -> Vec<Vec<Part>> {
     all
 }
 
-/// Reads the files that a repair names.
+/// Reads the files that a repair names; only rings do.
 fn fill(key: &str, repair: &mut Repair, files: &mut Files) {
-    match repair {
-        Repair::Ring(ring) => {
-            let key = format!("{key}.curve_file");
-            let Some(file) = ring.curve_file.take() else {
-                return;
-            };
-            if ring.curve_mm.is_some() {
-                files.error(&key, "is given beside `curve_mm`; expected one of the two");
-            } else if let Some(curve) = files.curve(&key, &file) {
-                ring.closed.get_or_insert(curve.closed);
-                ring.curve_mm = Some(curve.points_mm);
-            }
-        }
+    let Repair::Ring(ring) = repair else {
+        return;
+    };
+    let key = format!("{key}.curve_file");
+    let Some(file) = ring.curve_file.take() else {
+        return;
+    };
+    if ring.curve_mm.is_some() {
+        files.error(&key, "is given beside `curve_mm`; expected one of the two");
+    } else if let Some(curve) = files.curve(&key, &file) {
+        ring.closed.get_or_insert(curve.closed);
+        ring.curve_mm = Some(curve.points_mm);
     }
 }

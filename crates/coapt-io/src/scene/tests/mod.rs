@@ -2,6 +2,7 @@
 
 mod fuzzed;
 mod laws_page;
+mod plans;
 mod plans_page;
 mod schema;
 
@@ -266,7 +267,9 @@ fn curves_and_tips_come_from_markups() {
     assert_eq!(scene.annulus.curve_mm.as_ref(), Some(&turned));
     assert_eq!(scene.papillary[0].tips_mm, turned);
     let (plan, _) = read_plan(&folder.0.join("plan.toml")).unwrap();
-    let Repair::Ring(ring) = &plan.repair[0];
+    let Repair::Ring(ring) = &plan.repair[0] else {
+        panic!("{plan:?}");
+    };
     assert_eq!((ring.curve_mm.as_ref(), ring.closed), (Some(&turned), Some(true)));
 }
 

@@ -1,0 +1,117 @@
+//! A papillary muscle drawn elsewhere, as by a stitch to the annulus: only where its tips end up changes.
+
+use super::chord_ends::{muscle_named, target_mm};
+use super::ring::annulus_targets;
+use crate::Vec3;
+use crate::model::Model;
+use crate::repair::{Repaired, Report};
+use crate::scene::{AnnulusPlace, Fault, RelocatePapillary};
+
+/// Muscles are drawn 5 to 15 mm; farther than twice that is doubted [mm].
+const DOUBTFUL_MM: f64 = 30.0;
+
+/// What was moved.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct RelocationReport {
+    /// Name of the muscle.
+    pub muscle: String,
+    /// How many tips it has.
+    pub tips: usize,
+    /// By how much they move [mm].
+    pub by_mm: [f64; 3],
+}
+
+/// Moves the tips of a muscle where they are when the valve is closed.
+///
+/// # Errors
+/// No such muscle, or one without tips; both or neither of vector and place; numbers out of range; past the place.
+pub fn relocate(model: &Model, relocation: &RelocatePapillary) -> Result<Repaired, Vec<Fault>> {
+    relocated(model, relocation).map_err(|fault| vec![fault])
+}
+
+fn relocated(model: &Model, relocation: &RelocatePapillary) -> Result<Repaired, Fault> {
+    let number = muscle_named(model, &relocation.muscle, "relocate-papillary.muscle")?;
+    let muscle = &model.papillary[number];
+    if muscle.tips.is_empty() {
+        let message = format!("is `{}`, which has no tips", muscle.name);
+        return Err(Fault::error("relocate-papillary.muscle", message));
+    }
+    let tips = muscle.tips.iter().map(|&tip| target_mm(model, tip));
+    let middle = tips.sum::<Vec3>() / muscle.tips.len() as f64;
+    let by = motion(model, relocation, middle)?;
+    let mut moved = model.clone();
+    for fixed in &mut moved.prescribed {
+        if muscle.tips.contains(&fixed.vertex) {
+            fixed.target_mm += by;
+        }
+    }
+    let mut warnings = Vec::new();
+    if by.norm() > DOUBTFUL_MM {
+        let message = format!("the muscle moves by {:.1} mm, expected about 5 to 15", by.norm());
+        warnings.push(Fault::warning("relocate-papillary", message));
+    }
+    Ok(Repaired {
+        model: moved,
+        report: Report::RelocatePapillary(RelocationReport {
+            muscle: muscle.name.clone(),
+            tips: muscle.tips.len(),
+            by_mm: by.into(),
+        }),
+        warnings,
+    })
+}
+
+fn motion(model: &Model, relocation: &RelocatePapillary, from: Vec3) -> Result<Vec3, Fault> {
+    match (relocation.by_mm, relocation.toward, relocation.distance_mm) {
+        (Some(by), None, None) => {
+            let within = |x: &f64| x.is_finite() && x.abs() <= 100.0;
+            if by.iter().all(within) {
+                return Ok(by.into());
+            }
+            let [x, y, z] = by;
+            let message = format!("is ({x}, {y}, {z}) mm, expected numbers within 100 mm");
+            Err(Fault::error("relocate-papillary.by_mm", message))
+        }
+        (None, Some(place), Some(distance)) => {
+            let to = place_mm(model, place)?;
+            let way = (to - from).norm();
+            if distance > 0.0 && distance < way {
+                return Ok((to - from) * (distance / way));
+            }
+            let message =
+                format!("is {distance} mm, expected above 0 and less than the way there, {way:.1} mm");
+            Err(Fault::error("relocate-papillary.distance_mm", message))
+        }
+        (Some(_), _, _) => Err(Fault::error(
+            "relocate-papillary.by_mm",
+            "is given beside `toward` or `distance_mm`; expected the vector alone, or those two",
+        )),
+        (None, None, _) => Err(Fault::error(
+            "relocate-papillary.by_mm",
+            "is missing; expected a vector, or `toward` and `distance_mm`",
+        )),
+        (None, Some(_), None) => Err(Fault::error(
+            "relocate-papillary.distance_mm",
+            "is missing; expected how far toward the annulus the muscle is drawn",
+        )),
+    }
+}
+
+fn place_mm(model: &Model, place: AnnulusPlace) -> Result<Vec3, Fault> {
+    let landmarks = &model.landmarks;
+    let index = match place {
+        AnnulusPlace::MidAnterior => landmarks.mid_anterior,
+        AnnulusPlace::MidPosterior => landmarks.mid_posterior,
+        AnnulusPlace::CommissureAnterolateral => landmarks.commissure_anterolateral,
+        AnnulusPlace::CommissurePosteromedial => landmarks.commissure_posteromedial,
+        AnnulusPlace::TrigoneLeft => landmarks.trigone_left,
+        AnnulusPlace::TrigoneRight => landmarks.trigone_right,
+    };
+    let found = annulus_targets(model).get(index).copied();
+    found.ok_or_else(|| {
+        Fault::error(
+            "relocate-papillary.toward",
+            "the valve has no annulus to draw it to",
+        )
+    })
+}
