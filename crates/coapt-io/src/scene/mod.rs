@@ -12,6 +12,7 @@ mod frame;
 mod geometry;
 mod json_text;
 mod locate;
+mod missing_key;
 mod nearest;
 mod plan;
 mod write;
