@@ -381,6 +381,8 @@ fn in_plain_types(message: &str) -> String {
     let words = [
         ("expected f64", "expected a number"),
         ("expected u32", "expected a whole number, 0 or above"),
+        ("expected u64", "expected a whole number, 0 or above"),
+        ("expected usize", "expected a whole number, 0 or above"),
         ("expected i64", "expected a whole number"),
         ("expected struct ", "expected a table: "),
         ("type: sequence", "type: list"),
