@@ -24,7 +24,7 @@ pub(super) fn lacking<T: DeserializeOwned>(
     let document = format!("{key} = \"\"");
     let entry = DeTable::parse(&document).ok()?;
     let mut without = Vec::new();
-    items_without(table.get_ref(), key, &mut without);
+    items_without(table.get_ref(), key, error.span()?.start, &mut without);
     let unknown = format!("unknown field `{key}`");
     without.into_iter().take(MOST_CANDIDATES).find(|at| {
         let mut tried = table.clone();
@@ -34,18 +34,19 @@ pub(super) fn lacking<T: DeserializeOwned>(
     })
 }
 
-/// Tables in lists that lack a key.
-fn items_without(table: &DeTable<'_>, key: &str, found: &mut Vec<Range<usize>>) {
+/// Tables that lack a key, in the list that begins where the reader says.
+fn items_without(table: &DeTable<'_>, key: &str, start: usize, found: &mut Vec<Range<usize>>) {
     for (_, value) in table {
         let DeValue::Array(items) = value.get_ref() else {
             continue;
         };
+        let begins_there = items.first().is_some_and(|first| first.span().start == start);
         for item in items.iter() {
             if let DeValue::Table(table) = item.get_ref() {
-                if table.get(key).is_none() {
+                if begins_there && table.get(key).is_none() {
                     found.push(item.span());
                 }
-                items_without(table, key, found);
+                items_without(table, key, start, found);
             }
         }
     }
