@@ -227,10 +227,7 @@ fn repairs_of(keys: &SearchKeys, made: &Alternatives) -> Result<Meant, (&'static
     };
     let place = format!("{start}repair[{}]", keys.repair);
     let is_own = |at: &&String| keys.alternative.is_some() || !at.starts_with("alternative");
-    let found = made
-        .keys
-        .iter()
-        .position(|places| places.iter().any(|at| *at == place));
+    let found = made.keys.iter().position(|places| places.contains(&place));
     let Some(found) = found else {
         let is_there = |places: &Vec<String>| places.iter().any(|at| at.starts_with(&start));
         return Err(match (keys.alternative, made.keys.iter().any(is_there)) {
