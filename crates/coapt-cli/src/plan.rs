@@ -122,7 +122,7 @@ fn ask(arguments: &Arguments, plan: &mut Alternatives) -> Result<(), Failure> {
         (Some(seed), Some(sampling)) => sampling.seed = seed,
         (Some(_), None) => {
             let message =
-                "chooses valves of an ensemble; expected --samples beside it, or [uncertainty] in the plan";
+                "is given without an ensemble; expected --samples beside it, or [uncertainty] in the plan";
             return Err(vec![Fault::error("--seed", message)].into());
         }
         (None, _) => {}

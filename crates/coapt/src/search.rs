@@ -117,7 +117,9 @@ pub fn search_watched<F: Fn(&Measures) -> f64 + Sync>(
     let part = |step: u32| f64::from(step) / f64::from(FIRST_TRIED - 1);
     let value = |step: u32| goal.gentlest + part(step) * (goal.most_drastic - goal.gentlest);
     let first = (0..FIRST_TRIED).into_par_iter().map(|step| attempt(value(step)));
-    let mut first: Vec<Attempt> = first.collect::<Result<_, _>>()?;
+    let first: Vec<Result<Attempt, Vec<Fault>>> = first.collect();
+    // One after the other: of several faults the first is told, whichever thread was faster.
+    let mut first: Vec<Attempt> = first.into_iter().collect::<Result<_, _>>()?;
     let mut tried: Vec<Tried> = first.iter().map(Attempt::tried).collect();
     let mut answer = None;
     if let Some(index) = first.iter().position(reaches) {

@@ -210,7 +210,6 @@ fn wrong_plans_are_status_2_with_their_lines() {
 #[test]
 fn the_ring_with_the_smallest_reduction_is_found() {
     let folder = Folder::new("plan-search");
-    let valve = folder.preset("valve", "dilated", &[]);
     let page =
         std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/plans.md")).unwrap();
     let mut plans = page
@@ -219,7 +218,7 @@ fn the_ring_with_the_smallest_reduction_is_found() {
         .map(|rest| rest.split("```").next().unwrap());
     let text = plans.find(|text| text.contains("[search]")).unwrap();
     let file = folder.file("plan.toml", text);
-    let output = coapt(&["plan", &valve, &file, "--format", "json"]);
+    let output = coapt(&["plan", "dilated", &file, "--format", "json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let report: Value = serde_json::from_str(&stdout(&output)).unwrap();
     let found = &report["search"];
@@ -230,7 +229,9 @@ fn the_ring_with_the_smallest_reduction_is_found() {
     );
     let with = |size_mm: f64| -> f64 {
         let ring = format!("physio-like:{size_mm}");
-        let closed = stdout(&coapt(&["closure", &valve, "--ring", &ring, "--format", "json"]));
+        let closed = stdout(&coapt(&[
+            "closure", "dilated", "--ring", &ring, "--format", "json",
+        ]));
         let closed: Value = serde_json::from_str(&closed).unwrap();
         closed["after"]["coaptation"]["length_a2p2_mm"].as_f64().unwrap()
     };
@@ -284,7 +285,7 @@ fn more_can_be_asked_for_at_the_command_line() {
     let alone = coapt(&["plan", &valve, &rings, "--seed", "2"]);
     assert_eq!(alone.status.code(), Some(2));
     assert!(
-        stderr(&alone).contains("--seed chooses valves of an ensemble; expected --samples beside it"),
+        stderr(&alone).contains("--seed is given without an ensemble; expected --samples beside it"),
         "{}",
         stderr(&alone)
     );

@@ -219,7 +219,8 @@ fn goals_are_reached_and_told() {
     );
     let faults = seek(&goal("orifice", "at_most = 8").replace("to = 26", "to = 6")).unwrap_err();
     assert!(
-        sentence(&faults[0]).starts_with("alternative[0].repair[0].size_mm"),
+        faults[0].place.starts_with("alternative[0].repair[0]")
+            && faults[0].message.ends_with("(at size_mm = 21)"),
         "{faults:?}"
     );
 }

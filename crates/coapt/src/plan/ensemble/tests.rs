@@ -14,8 +14,8 @@ fn small() -> Model {
     Model::build(&generate(&parameters).unwrap()).unwrap().model
 }
 
-/// A number of a sample.
-type Value<'a> = &'a dyn Fn(&Model) -> f64;
+/// What varies, its value in a sample, and the standard deviation that was asked for.
+type Varied<'a> = (&'a str, &'a dyn Fn(&Model) -> f64, f64);
 
 /// Two thousand samples have the standard deviations that were asked for: cut off at three, a normal distribution keeps 0.987
 /// of its own, and so many samples find it to 1.6 % (one standard error).
@@ -40,7 +40,7 @@ fn samples_vary_as_much_as_asked_for() {
             .zip(&model.chords.rest_length_mm);
         ratios.map(|(length, drawn)| length / drawn).sum::<f64>() / model.chords.ends.len() as f64
     };
-    let expected: [(&str, Value, f64); 6] = [
+    let expected: [Varied; 6] = [
         ("annulus", &|model| target(model, point), 0.7),
         ("papillary", &|model| target(model, tip), 0.7),
         ("pressure", &|model| model.pressure_mpa, 0.1 * model.pressure_mpa),
