@@ -95,9 +95,9 @@ pub(super) const ROWS: [Row; 30] = [
         ALL,
     ),
     (
-        "1e6 mmHg",
+        "20000 mmHg",
         "more than any tissue bears",
-        Deed::Scene(|scene| scene.load = Load::mmhg(1e6)),
+        Deed::Scene(|scene| scene.load = Load::mmhg(20_000.0)),
         HEALTHY,
     ),
     (
