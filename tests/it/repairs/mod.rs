@@ -2,6 +2,7 @@
 
 mod chordae;
 mod edge_to_edge;
+mod leaflets;
 mod refused;
 
 use coapt::measure::{Measures, measure};

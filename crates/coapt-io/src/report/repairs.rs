@@ -1,10 +1,10 @@
 //! What each repair did: for machines, and as a sentence.
 
 use coapt::repair::{
-    self, AlfieriReport, CleftReport, ClipReport, CutReport, NeochordReport, RelocationReport, RingReport,
-    TransferReport,
+    self, AlfieriReport, CleftReport, ClipReport, CutReport, NeochordReport, RelocationReport, ResectReport,
+    RingReport, TransferReport,
 };
-use coapt::scene::RingFamily;
+use coapt::scene::{ResectionShape, RingFamily};
 use serde::Serialize;
 
 /// What one repair did.
@@ -29,6 +29,8 @@ pub enum RepairReport {
     RelocatePapillary(RelocationReport),
     /// An indentation sewn up.
     CloseCleft(CleftReport),
+    /// A piece of a leaflet cut out.
+    Resect(ResectReport),
 }
 
 /// What a ring did to the annulus.
@@ -69,6 +71,7 @@ pub(super) fn repair_report(report: &repair::Report) -> RepairReport {
         repair::Report::Rupture(torn) => RepairReport::Rupture(torn.clone()),
         repair::Report::RelocatePapillary(moved) => RepairReport::RelocatePapillary(moved.clone()),
         repair::Report::CloseCleft(cleft) => RepairReport::CloseCleft(cleft.clone()),
+        repair::Report::Resect(piece) => RepairReport::Resect(piece.clone()),
     }
 }
 
@@ -122,6 +125,7 @@ pub(super) fn repair_line(repair: &RepairReport) -> String {
             "{}: an indentation of {:.1} mm closed by {} stitches, up to {:.1} mm apart when open",
             cleft.sewn.name, cleft.indentation_mm, cleft.sewn.sutures, cleft.sewn.farthest_mm
         ),
+        RepairReport::Resect(piece) => resect_line(piece),
     }
 }
 
@@ -140,6 +144,29 @@ fn neochord_line(neochord: &NeochordReport) -> String {
         shortest.unwrap_or(0.0),
         longest.unwrap_or(0.0),
         depth.unwrap_or_default()
+    )
+}
+
+fn resect_line(piece: &ResectReport) -> String {
+    let shape = match piece.shape {
+        ResectionShape::Triangular => "triangle",
+        ResectionShape::Quadrangular => "quadrangle",
+    };
+    let annulus = piece
+        .annulus_mm
+        .map(|[before, after]| format!("; the annulus plicated from {before:.1} to {after:.1} mm"));
+    format!(
+        "{}: a {shape} {:.1} mm wide and {:.1} of {:.1} mm high, {:.0} mm2, cut out with {} chord branches, the gap of up to {:.1} \
+         mm closed by {} stitches{}",
+        piece.sewn.name,
+        piece.width_mm,
+        piece.height_mm,
+        piece.leaflet_height_mm,
+        piece.area_mm2,
+        piece.chords_cut,
+        piece.sewn.farthest_mm,
+        piece.sewn.sutures,
+        annulus.unwrap_or_default()
     )
 }
 

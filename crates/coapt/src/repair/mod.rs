@@ -7,10 +7,15 @@ pub mod clip;
 pub mod close_cleft;
 mod closure_line;
 pub mod cut_chord;
+mod excision;
+mod incision;
 pub mod leaflet;
 pub mod neochord;
 pub mod placement;
+mod plication;
 pub mod relocate_papillary;
+pub mod resect;
+mod resect_chords;
 pub mod ring;
 pub mod ring_attachment;
 mod ring_candidates;
@@ -18,6 +23,7 @@ mod ring_laying;
 pub mod ring_shape;
 mod rods;
 pub mod rupture;
+mod seam;
 pub mod site;
 pub mod sutures;
 pub mod transfer_chord;
@@ -28,6 +34,7 @@ pub use close_cleft::CleftReport;
 pub use cut_chord::CutReport;
 pub use neochord::NeochordReport;
 pub use relocate_papillary::RelocationReport;
+pub use resect::ResectReport;
 pub use ring::RingReport;
 pub use ring_shape::parse_ring_spec;
 pub use transfer_chord::TransferReport;
@@ -67,6 +74,8 @@ pub enum Report {
     RelocatePapillary(RelocationReport),
     /// An indentation sewn up.
     CloseCleft(CleftReport),
+    /// A piece of a leaflet cut out.
+    Resect(ResectReport),
 }
 
 /// Applies one repair.
@@ -84,5 +93,6 @@ pub fn apply(model: &Model, repair: &Repair) -> Result<Repaired, Vec<Fault>> {
         Repair::Rupture(rupture) => rupture::rupture(model, rupture),
         Repair::RelocatePapillary(relocation) => relocate_papillary::relocate(model, relocation),
         Repair::CloseCleft(cleft) => close_cleft::close(model, cleft),
+        Repair::Resect(piece) => resect::resect(model, piece),
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CloseCleft, CutChord, Neochord, RelocatePapillary, Rupture, TransferChord};
+use super::{CloseCleft, CutChord, Neochord, RelocatePapillary, Resect, Rupture, TransferChord};
 
 /// A list of repairs, applied in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -42,6 +42,8 @@ pub enum Repair {
     RelocatePapillary(RelocatePapillary),
     /// An indentation of the posterior margin is sewn up.
     CloseCleft(CloseCleft),
+    /// A piece of a leaflet is cut out, and the edges of the gap are sewn together.
+    Resect(Resect),
 }
 
 /// An annuloplasty ring: a parametric family with a size, or a curve.
