@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use super::distance::point_segment;
 use super::gap::threshold_mm;
 use super::surface::Surface;
-use crate::Vec3;
 use crate::model::{ChordKind, Margin, Model};
 
 /// The margins without the stretches that stitches of one leaflet hold closed.
@@ -16,7 +15,9 @@ pub(super) fn free_margins(model: &Model, s: &Surface) -> Vec<Margin> {
     let of_margin = |margin: &Margin| {
         let mut closed = vec![false; margin.vertices.len()];
         for seam in seams(model, s, margin) {
-            closed_by(model, s, margin, seam).for_each(|i| closed[i] = true);
+            for i in closed_by(model, s, margin, seam) {
+                closed[i] = true;
+            }
         }
         let left = margin.vertices.iter().zip(closed).filter(|(_, closed)| !closed);
         Margin {
@@ -27,11 +28,20 @@ pub(super) fn free_margins(model: &Model, s: &Surface) -> Vec<Margin> {
     model.margins.iter().map(of_margin).collect()
 }
 
-/// From which to which place of a margin each seam goes, counted along it beyond its end if it is closed.
-fn seams(model: &Model, s: &Surface, margin: &Margin) -> Vec<[usize; 2]> {
+/// A seam on a margin, by places counted along it, beyond its end if it is closed.
+#[derive(Clone, Copy, Debug)]
+struct Seam {
+    /// The ends of the stitch nearest to its bottom.
+    inner: [usize; 2],
+    /// The ends of the one farthest from it.
+    outer: [usize; 2],
+}
+
+/// The seams of a margin: of each group of sutures those that join two of its places on one leaflet.
+fn seams(model: &Model, s: &Surface, margin: &Margin) -> Vec<Seam> {
     let count = margin.vertices.len();
     let place_of: BTreeMap<u32, usize> = margin.vertices.iter().enumerate().map(|(i, &v)| (v, i)).collect();
-    let mut widest: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
+    let mut found: BTreeMap<u32, Seam> = BTreeMap::new();
     for (segment, &ends) in model.chords.ends.iter().enumerate() {
         let group = model.chords.group[segment];
         if model.chord_groups[group as usize].kind != ChordKind::Suture {
@@ -46,16 +56,23 @@ fn seams(model: &Model, s: &Surface, margin: &Margin) -> Vec<[usize; 2]> {
         }
         let (from, to) = (a.min(b), a.max(b));
         // Around the margin the other way the stitch would hold nearly all of it.
-        let seam = match margin.closed && 2 * (to - from) > count {
+        let stitch = match margin.closed && 2 * (to - from) > count {
             true => [to, from + count],
             false => [from, to],
         };
-        let all = widest.entry(group).or_insert(seam);
-        if seam[1] - seam[0] > all[1] - all[0] {
-            *all = seam;
+        let seam = found.entry(group).or_insert(Seam {
+            inner: stitch,
+            outer: stitch,
+        });
+        let length = |[from, to]: [usize; 2]| to - from;
+        if length(stitch) < length(seam.inner) {
+            seam.inner = stitch;
+        }
+        if length(stitch) > length(seam.outer) {
+            seam.outer = stitch;
         }
     }
-    widest.into_values().collect()
+    found.into_values().collect()
 }
 
 /// Which vertex of the margin a chord point is nearest to, and the leaflets there; nothing for a point off the margin.
@@ -69,30 +86,33 @@ fn place_on(model: &Model, s: &Surface, place_of: &BTreeMap<u32, usize>, point: 
 }
 
 /// The places strictly within a seam that are closed, from its bottom outward on either side.
-fn closed_by<'a>(
-    model: &'a Model,
-    s: &'a Surface,
-    margin: &'a Margin,
-    [from, to]: [usize; 2],
-) -> impl Iterator<Item = usize> + use<'a> {
+fn closed_by(model: &Model, s: &Surface, margin: &Margin, seam: Seam) -> Vec<usize> {
+    let Seam { inner, outer } = seam;
     let count = margin.vertices.len();
-    let vertex = move |i: usize| margin.vertices[i % count];
-    let rest: Vec<Vec3> = (from..=to).map(|i| s.rest_mm[vertex(i) as usize]).collect();
-    let arcs = crate::mesh::polyline::arc_lengths(&rest, false);
-    let half = 0.5 * arcs[arcs.len() - 1];
-    let bottom = from + arcs.partition_point(|&arc| arc < half).min(to - from);
-    let touches = move |i: usize| {
-        let at = s.positions_mm[vertex(i) as usize];
-        let opposite = if i < bottom { bottom..to } else { from..bottom };
-        let side = |i: usize| [i, i + 1].map(|i| s.positions_mm[vertex(i) as usize]);
-        let nearest = opposite
-            .map(|i| point_segment(at, side(i)))
+    let at = |i: usize| margin.vertices[i % count] as usize;
+    let touches = |i: usize, opposite: [usize; 2]| {
+        let place = s.positions_mm[at(i)];
+        let side = |i: usize| [i, (i + 1).min(opposite[1])].map(|i| s.positions_mm[at(i)]);
+        let sides = (opposite[0]..opposite[1].max(opposite[0] + 1)).map(side);
+        let nearest = sides
+            .map(|side| point_segment(place, side))
             .fold(f64::INFINITY, f64::min);
-        nearest <= threshold_mm(model, s.vertex_edge_mm[vertex(i) as usize])
+        nearest <= threshold_mm(model, s.vertex_edge_mm[at(i)])
     };
-    let before = (from + 1..bottom).rev().take_while(move |&i| touches(i));
-    let after = (bottom..to).take_while(move |&i| touches(i));
-    before.chain(after).map(move |i| i % count)
+    // The opposite edge goes on beyond the first stitch, to the bottom.
+    let before = (outer[0]..=inner[0]).rev();
+    let before: Vec<usize> = before
+        .take_while(|&i| touches(i, [inner[1] - 1, outer[1]]))
+        .collect();
+    let after = inner[1]..=outer[1];
+    let after: Vec<usize> = after
+        .take_while(|&i| touches(i, [outer[0], inner[0] + 1]))
+        .collect();
+    if before.is_empty() || after.is_empty() {
+        return Vec::new();
+    }
+    let closed = before.into_iter().chain(inner[0] + 1..inner[1]).chain(after);
+    closed.filter(|i| !outer.contains(i)).map(|i| i % count).collect()
 }
 
 #[cfg(test)]
@@ -100,6 +120,7 @@ mod tests {
     use super::super::surface::surface;
     use super::super::test_models::grid_model;
     use super::*;
+    use crate::Vec3;
     use crate::energy::chord::Chords;
     use crate::model::ChordGroup;
 
@@ -157,8 +178,7 @@ mod tests {
         let model = slit(2.0);
         let s = surface(&model, &model.rest_mm);
         let free = &free_margins(&model, &s)[0].vertices;
-        // The bottom is a point of both edges, and touches itself.
-        assert_eq!(free.len(), all.len() - 1);
+        assert_eq!(free, all);
         let mut unsewn = slit(0.4);
         unsewn.chord_groups[0].kind = ChordKind::Chorda;
         let s = surface(&unsewn, &unsewn.rest_mm);

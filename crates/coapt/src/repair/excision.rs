@@ -36,6 +36,7 @@ pub(super) fn remade(
         numbers[vertex] = number;
     }
     let (before, after) = (model.leaflet_vertex_count, kept.len());
+    // Of a vertex of the model: behind its leaflet vertices come chord nodes and tips, and not what the mesh has there.
     let number = |vertex: u32| match (vertex as usize).checked_sub(before) {
         None => numbers[vertex as usize],
         Some(beyond) => (after + beyond) as u32,
@@ -44,7 +45,11 @@ pub(super) fn remade(
     made.leaflet_vertex_count = after;
     made.rest_mm = kept.iter().map(|&v| mesh.points_mm[v]).collect();
     made.rest_mm.extend(&model.rest_mm[before..]);
-    made.faces = mesh.faces.iter().map(|face| face.map(number)).collect();
+    made.faces = mesh
+        .faces
+        .iter()
+        .map(|face| face.map(|v| numbers[v as usize]))
+        .collect();
     made.face_leaflet.clone_from(&mesh.face_leaflet);
     made.annulus.iter_mut().for_each(|v| *v = number(*v));
     for tip in made.papillary.iter_mut().flat_map(|muscle| &mut muscle.tips) {
@@ -113,20 +118,12 @@ mod tests {
     use crate::mesh::parametric::{ValveParameters, generate};
     use crate::model::fixtures::built;
 
-    fn mesh_of(model: &Model) -> Mesh {
-        Mesh {
-            points_mm: model.rest_mm[..model.leaflet_vertex_count].to_vec(),
-            faces: model.faces.clone(),
-            face_leaflet: model.face_leaflet.clone(),
-        }
-    }
-
     /// Made anew of its own mesh a model is what it was, but that margins may begin elsewhere; also after a vertex has been put
     /// before all others, which shifts every number.
     #[test]
     fn a_mesh_taken_as_it_is_makes_the_same_model() {
         let model = built(&generate(&ValveParameters::default()).unwrap()).model;
-        let (same, _) = remade(&model, &mesh_of(&model), &Reinserted::new(), "test").unwrap();
+        let (same, _) = remade(&model, &Mesh::of(&model), &Reinserted::new(), "test").unwrap();
         assert_eq!((&same.springs, &same.hinges), (&model.springs, &model.hinges));
         assert_eq!(
             (&same.annulus, &same.prescribed),
@@ -147,7 +144,7 @@ mod tests {
         let mut model = built(&generate(&ValveParameters::default()).unwrap()).model;
         let tip = model.margins[0].vertices[0];
         model.dead_loads_n = vec![(tip, Vec3::x()), (model.margins[0].vertices[9], Vec3::y())];
-        let mut mesh = mesh_of(&model);
+        let mut mesh = Mesh::of(&model);
         let stays: Vec<bool> = mesh.faces.iter().map(|face| !face.contains(&tip)).collect();
         let mut number = 0..;
         mesh.faces

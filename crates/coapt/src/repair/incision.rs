@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::Vec3;
 use crate::mesh::topology::{self, Edges};
+use crate::model::Model;
 
 /// A vertex goes to the line if that crosses one of its edges within this part of the edge [1]. With 0.1 slivers of a tenth of
 /// an edge are left, beyond 0.4 whole rows of vertices move and bend what is flat; our choice.
@@ -21,6 +22,17 @@ pub(super) struct Mesh {
     pub(super) faces: Vec<[u32; 3]>,
     /// The leaflet of each, shape `[face]`.
     pub(super) face_leaflet: Vec<u32>,
+}
+
+impl Mesh {
+    /// The leaflets of a model, unloaded.
+    pub(super) fn of(model: &Model) -> Self {
+        Self {
+            points_mm: model.rest_mm[..model.leaflet_vertex_count].to_vec(),
+            faces: model.faces.clone(),
+            face_leaflet: model.face_leaflet.clone(),
+        }
+    }
 }
 
 /// Numbers at the vertices, shape `[line][vertex]`; what is to be cut out lies where all are negative. Not a number where no

@@ -278,11 +278,7 @@ fn hanging_together(faces: &[[u32; 3]], number: impl Fn(&[u32; 3]) -> f64) -> Ve
 
 /// The model without the piece, the piece's area, and the vertices along the edges of the gap: `true` at the corners.
 fn excised(model: &Model, piece: &Piece) -> Result<(Model, f64, Vec<(u32, bool)>), Fault> {
-    let mut mesh = Mesh {
-        points_mm: model.rest_mm[..model.leaflet_vertex_count].to_vec(),
-        faces: model.faces.clone(),
-        face_leaflet: model.face_leaflet.clone(),
-    };
+    let mut mesh = Mesh::of(model);
     let mut fields = piece.fields.clone();
     let fixed = fixed(model, piece.leaflet);
     incise(&mut mesh, &mut fields, &fixed);
