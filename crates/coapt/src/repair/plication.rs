@@ -66,7 +66,7 @@ pub(super) fn plicate(model: &mut Model, ends_mm: [Vec3; 2], place: &str) -> Res
 }
 
 /// Sets where annulus points end up, shape `[annulus vertex]`.
-pub(super) fn set_targets(model: &mut Model, targets_mm: &[Vec3]) {
+fn set_targets(model: &mut Model, targets_mm: &[Vec3]) {
     for (vertex, &target_mm) in model.annulus.iter().zip(targets_mm) {
         if let Ok(found) = model
             .prescribed
@@ -79,7 +79,7 @@ pub(super) fn set_targets(model: &mut Model, targets_mm: &[Vec3]) {
 
 /// A curve brought nearer to the line between its ends, in the plane with this normal, until it is so long; nothing where that
 /// would leave less than [`LEAST_DEPTH`] of its depth.
-pub(super) fn shortened(points: &[Vec3], normal: Vec3, length_mm: f64) -> Option<Vec<Vec3>> {
+fn shortened(points: &[Vec3], normal: Vec3, length_mm: f64) -> Option<Vec<Vec3>> {
     let origin = points[0];
     let deep = normal
         .cross(&(points[points.len() - 1] - origin))

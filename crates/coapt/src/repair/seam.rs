@@ -9,8 +9,9 @@ use crate::mesh::polyline;
 use crate::model::Model;
 use crate::scene::Fault;
 
-/// Distance between stitches along the edges, at most [mm] (our choice, as of other seams).
-const SPACING_MM: f64 = 2.0;
+/// Distance between stitches along the edges, at most [mm]. A running suture's are 2 mm apart, and between them edges of usual meshes
+/// bulge apart by more than contact; so close that they do not is our choice.
+const SPACING_MM: f64 = 1.0;
 
 /// Stitches over a gap whose edges run through these vertices of the margin, with whether each is a corner. The bottom is the
 /// only corner, or else the middle. Places that are no farther apart than they would be drawn get no stitch.
