@@ -1,8 +1,8 @@
 //! What each repair did: for machines, and as a sentence.
 
 use coapt::repair::{
-    self, AlfieriReport, CleftReport, ClipReport, CutReport, NeochordReport, RelocationReport, ResectReport,
-    RingReport, TransferReport,
+    self, AlfieriReport, CleftReport, ClipReport, CutReport, NeochordReport, RelocationReport,
+    ResectReport, RingReport, TransferReport,
 };
 use coapt::scene::{ResectionShape, RingFamily};
 use serde::Serialize;
@@ -42,6 +42,12 @@ pub struct RingFigures {
     /// Inner transverse diameter [mm]; none for a measured curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size_mm: Option<f64>,
+    /// How many sutures hold it; none where it holds the annulus everywhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sutures: Option<u32>,
+    /// Whether it takes the annulus' length only.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub flexible: bool,
     /// Whether the ring is closed.
     pub closed: bool,
     /// Length of the ring [mm].
@@ -79,6 +85,8 @@ fn ring_figures(ring: &RingReport) -> RingFigures {
     RingFigures {
         family: ring.family,
         size_mm: ring.size_mm,
+        sutures: ring.sutures,
+        flexible: ring.flexible,
         closed: ring.closed,
         ring_length_mm: ring.ring_length_mm,
         annulus_length_mm: ring.annulus_length_mm,
@@ -186,7 +194,13 @@ fn transfer_line(transfer: &TransferReport) -> String {
 }
 
 fn ring_line(ring: &RingFigures) -> String {
-    let kind = if ring.closed { "closed" } else { "open" };
+    let mut kind = if ring.closed { "closed" } else { "open" }.to_owned();
+    if ring.flexible {
+        kind.push_str(", flexible");
+    }
+    if let Some(sutures) = ring.sutures {
+        kind.push_str(&format!(", {sutures} sutures"));
+    }
     let shape = match (ring.family.and_then(family_name), ring.size_mm) {
         (Some(name), Some(size)) => format!("ring {name}, size {size} mm"),
         _ => "measured ring".to_owned(),
