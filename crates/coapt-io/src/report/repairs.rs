@@ -1,7 +1,7 @@
 //! What each repair did: for machines, and as a sentence.
 
 use coapt::repair::{
-    self, AlfieriReport, CleftReport, ClipReport, CutReport, NeochordReport, RelocationReport,
+    self, AlfieriReport, AugmentReport, CleftReport, ClipReport, CutReport, NeochordReport, RelocationReport,
     ResectReport, RingReport, TransferReport,
 };
 use coapt::scene::{ResectionShape, RingFamily};
@@ -31,6 +31,8 @@ pub enum RepairReport {
     CloseCleft(CleftReport),
     /// A piece of a leaflet cut out.
     Resect(ResectReport),
+    /// A patch set into a leaflet.
+    Augment(AugmentReport),
 }
 
 /// What a ring did to the annulus.
@@ -78,6 +80,7 @@ pub(super) fn repair_report(report: &repair::Report) -> RepairReport {
         repair::Report::RelocatePapillary(moved) => RepairReport::RelocatePapillary(moved.clone()),
         repair::Report::CloseCleft(cleft) => RepairReport::CloseCleft(cleft.clone()),
         repair::Report::Resect(piece) => RepairReport::Resect(piece.clone()),
+        repair::Report::Augment(patch) => RepairReport::Augment(patch.clone()),
     }
 }
 
@@ -134,6 +137,16 @@ pub(super) fn repair_line(repair: &RepairReport) -> String {
             cleft.sewn.name, cleft.indentation_mm, cleft.sewn.sutures, cleft.sewn.farthest_mm
         ),
         RepairReport::Resect(piece) => resect_line(piece),
+        RepairReport::Augment(patch) => format!(
+            "patch {:.1} mm wide and {:.1} mm long, {:.0} mm2, set into the {} leaflet, which is {:.1} mm high there, {:.0} % of the way \
+             from the annulus",
+            patch.width_mm,
+            patch.length_mm,
+            patch.area_mm2,
+            patch.leaflet,
+            patch.leaflet_height_mm,
+            100.0 * patch.fraction
+        ),
     }
 }
 

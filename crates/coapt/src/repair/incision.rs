@@ -43,9 +43,14 @@ pub(super) type Fields = Vec<Vec<f64>>;
 /// `fixed` are not moved.
 pub(super) fn incise(mesh: &mut Mesh, fields: &mut Fields, fixed: &[bool]) {
     for line in 0..fields.len() {
-        snap(mesh, fields, fixed, line);
-        divide(mesh, fields, line);
+        incise_along(mesh, fields, fixed, line);
     }
+}
+
+/// The same along one of the lines only, as far as it is the region's border.
+pub(super) fn incise_along(mesh: &mut Mesh, fields: &mut Fields, fixed: &[bool], line: usize) {
+    snap(mesh, fields, fixed, line);
+    divide(mesh, fields, line);
 }
 
 /// How a line crosses an edge, as share of the edge from its first end, and the largest of the other fields there.

@@ -1,6 +1,7 @@
 //! What a surgeon does to the valve: one file per deed. A repair makes a new model and leaves the old one as it is.
 
 pub mod alfieri;
+pub mod augment;
 mod chord_choice;
 mod chord_ends;
 pub mod clip;
@@ -10,7 +11,9 @@ pub mod cut_chord;
 mod excision;
 mod incision;
 pub mod leaflet;
+mod leaflet_chart;
 pub mod neochord;
+mod patch;
 pub mod placement;
 mod plication;
 pub mod relocate_papillary;
@@ -32,6 +35,7 @@ pub mod sutures;
 pub mod transfer_chord;
 
 pub use alfieri::AlfieriReport;
+pub use augment::AugmentReport;
 pub use clip::ClipReport;
 pub use close_cleft::CleftReport;
 pub use cut_chord::CutReport;
@@ -79,6 +83,8 @@ pub enum Report {
     CloseCleft(CleftReport),
     /// A piece of a leaflet cut out.
     Resect(ResectReport),
+    /// A patch set into a leaflet.
+    Augment(AugmentReport),
 }
 
 /// Applies one repair.
@@ -97,5 +103,6 @@ pub fn apply(model: &Model, repair: &Repair) -> Result<Repaired, Vec<Fault>> {
         Repair::RelocatePapillary(relocation) => relocate_papillary::relocate(model, relocation),
         Repair::CloseCleft(cleft) => close_cleft::close(model, cleft),
         Repair::Resect(piece) => resect::resect(model, piece),
+        Repair::Augment(patch) => augment::augment(model, patch),
     }
 }

@@ -319,7 +319,7 @@ fn excised(model: &Model, piece: &Piece) -> Result<(Model, f64, Vec<(u32, bool)>
 }
 
 /// Which vertices a cut must neither move nor take: what is held, and what other leaflets have too.
-fn fixed(model: &Model, leaflet: u32) -> Vec<bool> {
+pub(super) fn fixed(model: &Model, leaflet: u32) -> Vec<bool> {
     let mut fixed = vec![false; model.leaflet_vertex_count];
     let others = model
         .faces

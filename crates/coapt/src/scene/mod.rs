@@ -20,7 +20,7 @@ pub use repair_chordae::{
     AnnulusPlace, ChordPart, CloseCleft, CutChord, Neochord, RelocatePapillary, Rupture, Segment,
     TransferChord,
 };
-pub use repair_leaflet::{Resect, ResectionShape};
+pub use repair_leaflet::{Augment, Resect, ResectionShape};
 pub use tissue::{
     SpringBranches, Tissue, Wrinkling, default_bending_modulus_mpa, default_compression_modulus_ratio,
     default_poisson_ratio,

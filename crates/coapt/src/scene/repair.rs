@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CloseCleft, CutChord, Neochord, RelocatePapillary, Resect, Rupture, TransferChord};
+use super::{Augment, CloseCleft, CutChord, Neochord, RelocatePapillary, Resect, Rupture, TransferChord};
 
 /// A list of repairs, applied in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -44,6 +44,8 @@ pub enum Repair {
     CloseCleft(CloseCleft),
     /// A piece of a leaflet is cut out, and the edges of the gap are sewn together.
     Resect(Resect),
+    /// A patch is set into a leaflet, which makes it higher.
+    Augment(Augment),
 }
 
 /// An annuloplasty ring: a parametric family with a size, or a curve.

@@ -69,3 +69,50 @@ impl ResectionShape {
         }
     }
 }
+
+/// A patch, of pericardium say, is set into a leaflet near the annulus, which makes it higher.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Augment {
+    /// Name of the leaflet.
+    pub leaflet: String,
+    /// Where along the margin the middle of the patch is, by name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub site: Option<Site>,
+    /// Where along the margin, as share of its arc length from the anterolateral commissure [1]; instead of `site`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<f64>,
+    /// Width of the patch, from the annulus toward the margin, in its middle [mm]: 8 to 15 is usual, 10 our choice.
+    #[serde(default = "default_patch_width_mm")]
+    pub width_mm: f64,
+    /// Length of the patch along the leaflet, measured on the margin [mm]; from its middle to its ends its width fades to nothing.
+    /// 30 is our choice: the middle segment and half of its neighbours.
+    #[serde(default = "default_patch_length_mm")]
+    pub length_mm: f64,
+    /// Part of the leaflet's height that lies between annulus and patch [1]; absent: a quarter, our choice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fraction: Option<f64>,
+}
+
+fn default_patch_width_mm() -> f64 {
+    10.0
+}
+
+fn default_patch_length_mm() -> f64 {
+    30.0
+}
+
+impl Augment {
+    /// To a leaflet, all else absent or as usual.
+    pub fn of(leaflet: &str) -> Self {
+        Self {
+            leaflet: leaflet.to_owned(),
+            site: None,
+            position: None,
+            width_mm: default_patch_width_mm(),
+            length_mm: default_patch_length_mm(),
+            fraction: None,
+        }
+    }
+}
