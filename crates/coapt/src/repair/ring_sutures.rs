@@ -94,8 +94,8 @@ mod tests {
         }
     }
 
-    /// Sutures on every third of the skirt's 32 points... and on every one: then the annulus lies on the ring, to rounding,
-    /// as by arc length where points are even; with twelve it lies on it at the anterior middle, and near it between.
+    /// A closed ring has a suture at the anterior middle, which is on the ring to rounding; between sutures the annulus is near it,
+    /// not on it.
     #[test]
     fn the_annulus_is_on_the_ring_where_sutures_are() {
         let model = skirt_model();
@@ -128,7 +128,7 @@ mod tests {
         let model = skirt_model();
         let mut bulged = model.clone();
         let annulus = AnnulusCurve::new(&annulus_targets(&model), &model.landmarks);
-        // With four sutures the posterior middle has one, and the point midway to the trigone has none.
+        // Of eight sutures the posterior middle has one; the next is an eighth of the annulus away, beyond this point.
         let index = annulus.order[(annulus.trigones[0] + annulus.mid_posterior) / 2];
         let vertex = model.annulus[index];
         let fixed = bulged
