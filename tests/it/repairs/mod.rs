@@ -3,7 +3,9 @@
 mod atlas;
 mod chordae;
 mod edge_to_edge;
+mod leaflets;
 mod refused;
+mod rings;
 
 use coapt::measure::{Measures, measure};
 use coapt::mesh::parametric::Preset;

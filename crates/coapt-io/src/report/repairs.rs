@@ -1,10 +1,10 @@
 //! What each repair did: for machines, and as a sentence.
 
 use coapt::repair::{
-    self, AlfieriReport, CleftReport, ClipReport, CutReport, NeochordReport, RelocationReport, RingReport,
-    TransferReport,
+    self, AlfieriReport, AugmentReport, CleftReport, ClipReport, CutReport, NeochordReport, RelocationReport,
+    ResectReport, RingReport, TransferReport,
 };
-use coapt::scene::RingFamily;
+use coapt::scene::{ResectionShape, RingFamily};
 use serde::Serialize;
 
 /// What one repair did.
@@ -29,6 +29,10 @@ pub enum RepairReport {
     RelocatePapillary(RelocationReport),
     /// An indentation sewn up.
     CloseCleft(CleftReport),
+    /// A piece of a leaflet cut out.
+    Resect(ResectReport),
+    /// A patch set into a leaflet.
+    Augment(AugmentReport),
 }
 
 /// What a ring did to the annulus.
@@ -40,6 +44,12 @@ pub struct RingFigures {
     /// Inner transverse diameter [mm]; none for a measured curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size_mm: Option<f64>,
+    /// How many sutures hold it; none where it holds the annulus everywhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sutures: Option<u32>,
+    /// Whether it takes the annulus' length only.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub flexible: bool,
     /// Whether the ring is closed.
     pub closed: bool,
     /// Length of the ring [mm].
@@ -69,6 +79,8 @@ pub(super) fn repair_report(report: &repair::Report) -> RepairReport {
         repair::Report::Rupture(torn) => RepairReport::Rupture(torn.clone()),
         repair::Report::RelocatePapillary(moved) => RepairReport::RelocatePapillary(moved.clone()),
         repair::Report::CloseCleft(cleft) => RepairReport::CloseCleft(cleft.clone()),
+        repair::Report::Resect(piece) => RepairReport::Resect(piece.clone()),
+        repair::Report::Augment(patch) => RepairReport::Augment(patch.clone()),
     }
 }
 
@@ -76,6 +88,8 @@ fn ring_figures(ring: &RingReport) -> RingFigures {
     RingFigures {
         family: ring.family,
         size_mm: ring.size_mm,
+        sutures: ring.sutures,
+        flexible: ring.flexible,
         closed: ring.closed,
         ring_length_mm: ring.ring_length_mm,
         annulus_length_mm: ring.annulus_length_mm,
@@ -122,6 +136,17 @@ pub(super) fn repair_line(repair: &RepairReport) -> String {
             "{}: an indentation of {:.1} mm closed by {} stitches, up to {:.1} mm apart when open",
             cleft.sewn.name, cleft.indentation_mm, cleft.sewn.sutures, cleft.sewn.farthest_mm
         ),
+        RepairReport::Resect(piece) => resect_line(piece),
+        RepairReport::Augment(patch) => format!(
+            "patch {:.1} mm wide and {:.1} mm long, {:.0} mm2, set into the {} leaflet, which is {:.1} mm high there, {:.0} % of the way \
+             from the annulus",
+            patch.width_mm,
+            patch.length_mm,
+            patch.area_mm2,
+            patch.leaflet,
+            patch.leaflet_height_mm,
+            100.0 * patch.fraction
+        ),
     }
 }
 
@@ -143,6 +168,29 @@ fn neochord_line(neochord: &NeochordReport) -> String {
     )
 }
 
+fn resect_line(piece: &ResectReport) -> String {
+    let shape = match piece.shape {
+        ResectionShape::Triangular => "triangle",
+        ResectionShape::Quadrangular => "quadrangle",
+    };
+    let annulus = piece
+        .annulus_mm
+        .map(|[before, after]| format!("; the annulus plicated from {before:.1} to {after:.1} mm"));
+    format!(
+        "{}: a {shape} {:.1} mm wide and {:.1} of {:.1} mm high, {:.0} mm2, cut out with {} chord branches, the gap of up to {:.1} \
+         mm closed by {} stitches{}",
+        piece.sewn.name,
+        piece.width_mm,
+        piece.height_mm,
+        piece.leaflet_height_mm,
+        piece.area_mm2,
+        piece.chords_cut,
+        piece.sewn.farthest_mm,
+        piece.sewn.sutures,
+        annulus.unwrap_or_default()
+    )
+}
+
 fn transfer_line(transfer: &TransferReport) -> String {
     let at = |[x, y, z]: [f64; 3]| format!("({x:.1}, {y:.1}, {z:.1})");
     let muscle = transfer
@@ -159,7 +207,13 @@ fn transfer_line(transfer: &TransferReport) -> String {
 }
 
 fn ring_line(ring: &RingFigures) -> String {
-    let kind = if ring.closed { "closed" } else { "open" };
+    let mut kind = if ring.closed { "closed" } else { "open" }.to_owned();
+    if ring.flexible {
+        kind.push_str(", flexible");
+    }
+    if let Some(sutures) = ring.sutures {
+        kind.push_str(&format!(", {sutures} sutures"));
+    }
     let shape = match (ring.family.and_then(family_name), ring.size_mm) {
         (Some(name), Some(size)) => format!("ring {name}, size {size} mm"),
         _ => "measured ring".to_owned(),

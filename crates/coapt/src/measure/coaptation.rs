@@ -6,6 +6,7 @@ use super::annulus::plane_of;
 use super::distance::{point_segment, triangle_area};
 use super::gap::Gaps;
 use super::seal::Seal;
+use super::sewn::free_margins;
 use super::surface::{Surface, leaflet_bit};
 use crate::Vec3;
 use crate::model::Model;
@@ -134,8 +135,7 @@ fn margin_segments(model: &Model, s: &Surface, leaflet: u32) -> Vec<[Vec3; 2]> {
         s.edge(a, b)
             .is_some_and(|e| s.edge_leaflets[e] & leaflet_bit(leaflet) != 0)
     };
-    model
-        .margins
+    free_margins(model, s)
         .iter()
         .flat_map(|m| {
             let n = m.vertices.len();

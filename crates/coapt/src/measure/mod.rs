@@ -21,6 +21,7 @@ pub(crate) mod indexed_surface;
 mod plane;
 mod raster;
 mod seal;
+mod sewn;
 pub(crate) mod side;
 mod spanning;
 pub(crate) mod statistics;

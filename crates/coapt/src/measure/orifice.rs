@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::distance::point_segment;
 use super::gap::{Gaps, threshold_mm};
 use super::seal::Seal;
+use super::sewn::free_margins;
 use super::spanning::spanning_area;
 use super::surface::Surface;
 use crate::Vec3;
@@ -19,7 +20,7 @@ use crate::model::{Margin, Model};
 ///
 /// Where an open margin has no open margin across from it, or one that is much farther than the leaflet it belongs to
 /// (an everted flap), margins do not bound the hole: there it is half of each side's strip between the open margin
-/// and the nearest tissue of another leaflet.
+/// and the nearest tissue of another leaflet. Edges of one leaflet that stitches hold in contact are no margin.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct OrificeMeasures {
     /// Anatomic regurgitant orifice area [mm²]: sum over the holes of the smallest triangulated surface that spans
@@ -59,8 +60,7 @@ struct Stretch {
 /// Finds and measures the holes.
 pub(super) fn orifice(model: &Model, s: &Surface, gaps: &Gaps, seal: &Seal) -> OrificeMeasures {
     let mut m = OrificeMeasures::default();
-    let stretches: Vec<Stretch> = model
-        .margins
+    let stretches: Vec<Stretch> = free_margins(model, s)
         .iter()
         .flat_map(|margin| open_stretches(s, gaps, seal, &oriented(s, margin)))
         .collect();

@@ -39,7 +39,7 @@ use crate::Vec3;
 use crate::model::{ChordKind, Model};
 use crate::relax::{Equilibrium, Moment};
 use crate::repair::{self, Repaired};
-use crate::scene::{Attachment, Fault, Readable, Repair, Ring};
+use crate::scene::{Fault, Readable, Repair, Ring};
 
 pub use misfit::TargetDistance;
 
@@ -247,13 +247,10 @@ fn faults(model: &Model, target: &Target, settings: &FitSettings) -> Vec<Fault> 
 /// As of an annuloplasty along that curve, which this is.
 pub fn annulus_closing_to(model: &Model, curve_mm: &[Vec3]) -> Result<Repaired, Vec<Fault>> {
     let ring = Ring {
-        family: None,
-        size_mm: None,
-        curve_file: None,
         curve_mm: Some(curve_mm.iter().map(|&p| p.into()).collect()),
         closed: Some(true),
         placed: true,
-        attachment: Attachment::ArcLength,
+        ..Ring::default()
     };
     let told = |fault: Fault| Fault {
         place: fault

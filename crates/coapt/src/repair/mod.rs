@@ -1,33 +1,47 @@
 //! What a surgeon does to the valve: one file per deed. A repair makes a new model and leaves the old one as it is.
 
 pub mod alfieri;
+pub mod augment;
 mod chord_choice;
 mod chord_ends;
 pub mod clip;
 pub mod close_cleft;
 mod closure_line;
 pub mod cut_chord;
+mod excision;
+mod incision;
 pub mod leaflet;
+mod leaflet_chart;
 pub mod neochord;
+mod patch;
 pub mod placement;
+mod plication;
 pub mod relocate_papillary;
+pub mod resect;
+mod resect_chords;
 pub mod ring;
 pub mod ring_attachment;
 mod ring_candidates;
+mod ring_faults;
+mod ring_flexible;
 mod ring_laying;
 pub mod ring_shape;
+mod ring_sutures;
 mod rods;
 pub mod rupture;
+mod seam;
 pub mod site;
 pub mod sutures;
 pub mod transfer_chord;
 
 pub use alfieri::AlfieriReport;
+pub use augment::AugmentReport;
 pub use clip::ClipReport;
 pub use close_cleft::CleftReport;
 pub use cut_chord::CutReport;
 pub use neochord::NeochordReport;
 pub use relocate_papillary::RelocationReport;
+pub use resect::ResectReport;
 pub use ring::RingReport;
 pub use ring_shape::parse_ring_spec;
 pub use transfer_chord::TransferReport;
@@ -67,6 +81,10 @@ pub enum Report {
     RelocatePapillary(RelocationReport),
     /// An indentation sewn up.
     CloseCleft(CleftReport),
+    /// A piece of a leaflet cut out.
+    Resect(ResectReport),
+    /// A patch set into a leaflet.
+    Augment(AugmentReport),
 }
 
 /// Applies one repair.
@@ -84,5 +102,7 @@ pub fn apply(model: &Model, repair: &Repair) -> Result<Repaired, Vec<Fault>> {
         Repair::Rupture(rupture) => rupture::rupture(model, rupture),
         Repair::RelocatePapillary(relocation) => relocate_papillary::relocate(model, relocation),
         Repair::CloseCleft(cleft) => close_cleft::close(model, cleft),
+        Repair::Resect(piece) => resect::resect(model, piece),
+        Repair::Augment(patch) => augment::augment(model, patch),
     }
 }

@@ -7,10 +7,11 @@ use crate::model::Model;
 use crate::repair::placement;
 use crate::repair::ring_attachment::{AnnulusCurve, Sutures};
 use crate::repair::ring_candidates::candidates;
+use crate::repair::ring_flexible::gather;
 use crate::repair::ring_laying::{Laid, doubt_side, lay};
 use crate::repair::ring_shape::normal_of;
 use crate::repair::{Repaired, Report};
-use crate::scene::{Fault, Ring, RingFamily};
+use crate::scene::{Attachment, Fault, Ring, RingFamily};
 
 /// Rings this much longer or shorter than what they are sewn to do not belong to this valve.
 const LARGEST_SCALE: f64 = 2.0;
@@ -25,7 +26,11 @@ pub struct RingReport {
     pub family: Option<RingFamily>,
     /// Size [mm]; none for a measured curve.
     pub size_mm: Option<f64>,
-    /// The ring where it lies [mm], shape `[point]`.
+    /// How many sutures hold it; none where it holds the annulus everywhere.
+    pub sutures: Option<u32>,
+    /// Whether it takes the annulus' length only.
+    pub flexible: bool,
+    /// The ring where it lies [mm], shape `[point]`; a flexible one lies in the annulus.
     pub curve_mm: Vec<Vec3>,
     /// Whether the ring is closed.
     pub closed: bool,
@@ -64,9 +69,13 @@ pub fn implant(model: &Model, ring: &Ring) -> Result<Repaired, Vec<Fault>> {
         .collect();
     let best = laid.iter().min_by(|a, b| a.misfit_mm.total_cmp(&b.misfit_mm));
     let best = best.ok_or_else(|| vec![Fault::error("ring.curve_mm", "has no extent")])?;
+    let gathered = ring.flexible.then(|| gather(&annulus, best));
+    let best = gathered.as_ref().unwrap_or(best);
     let report = report(ring, &annulus, best);
     let mut warnings = judge(model, &report, &annulus, &best.sutures)?;
-    warnings.extend(doubt_side(best, &laid));
+    if !ring.flexible {
+        warnings.extend(doubt_side(best, &laid));
+    }
     Ok(Repaired {
         model: with_targets(model, &annulus, &best.moved),
         report: Report::Ring(report),
@@ -100,6 +109,8 @@ fn report(ring: &Ring, annulus: &AnnulusCurve, laid: &Laid) -> RingReport {
     RingReport {
         family: ring.family,
         size_mm: ring.family.and(ring.size_mm),
+        sutures: (ring.attachment == Attachment::Sutures).then(|| ring.suture_count()),
+        flexible: ring.flexible,
         ring_length_mm: polyline::length(&curve.points_mm, curve.closed),
         annulus_length_mm: sutures.span_mm[1] - sutures.span_mm[0],
         curve_mm: curve.points_mm.clone(),

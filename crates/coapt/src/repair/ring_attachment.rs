@@ -66,27 +66,33 @@ pub struct Sutures {
 }
 
 /// Matching places: arc length on the annulus, arc length on the ring; ascending in both.
-type Knots = Vec<[f64; 2]>;
+pub(super) type Knots = Vec<[f64; 2]>;
 
 /// Sews in proportion to arc length between matching landmarks: trigones, posterior and anterior middle.
 /// Commissures are left to proportion, for most rings do not mark them and their angle varies most.
 pub fn by_arc_length(annulus: &AnnulusCurve, ring: &RingCurve) -> Sutures {
     let knots = knots(annulus, ring);
     let (first, last) = (knots[0], knots[knots.len() - 1]);
-    let arc = |a: f64| {
-        let next = knots.partition_point(|k| k[0] <= a).clamp(1, knots.len() - 1);
-        let ([a0, r0], [a1, r1]) = (knots[next - 1], knots[next]);
-        (first[0] <= a && a <= last[0]).then(|| r0 + (a - a0) / (a1 - a0) * (r1 - r0))
-    };
+    let arc = |&a: &f64| (first[0] <= a && a <= last[0]).then(|| ring_arc_mm(&knots, a));
     let count = annulus.points_mm.len();
     Sutures {
-        ring_arc_mm: annulus.arcs_mm[..count].iter().map(|&a| arc(a)).collect(),
+        ring_arc_mm: annulus.arcs_mm[..count].iter().map(arc).collect(),
         span_mm: [first[0], last[0]],
         ..Sutures::default()
     }
 }
 
-fn knots(annulus: &AnnulusCurve, ring: &RingCurve) -> Knots {
+/// The arc length on the ring that belongs to one on the annulus, between matching places.
+pub(super) fn ring_arc_mm(knots: &Knots, annulus_arc_mm: f64) -> f64 {
+    let next = knots
+        .partition_point(|k| k[0] <= annulus_arc_mm)
+        .clamp(1, knots.len() - 1);
+    let ([a0, r0], [a1, r1]) = (knots[next - 1], knots[next]);
+    r0 + (annulus_arc_mm - a0) / (a1 - a0) * (r1 - r0)
+}
+
+/// Matching places of annulus and ring: landmarks, and the ends.
+pub(super) fn knots(annulus: &AnnulusCurve, ring: &RingCurve) -> Knots {
     let length = polyline::length(&ring.points_mm, ring.closed);
     let on_ring = |mark: Vec3| polyline::nearest(&ring.points_mm, ring.closed, mark);
     let start = if ring.closed {

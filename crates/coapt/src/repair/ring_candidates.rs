@@ -3,6 +3,7 @@
 use crate::Vec3;
 use crate::mesh::polyline;
 use crate::model::Model;
+use crate::repair::ring_faults::variant_faults;
 use crate::repair::ring_shape::{self, RingCurve, normal_of};
 use crate::scene::{Fault, Readable, Ring, RingFamily};
 
@@ -21,6 +22,7 @@ pub(crate) fn candidates(model: &Model, ring: &Ring) -> Result<Vec<RingCurve>, V
             "the annulus is no closed loop: there is nothing to sew a ring to",
         ));
     }
+    faults.extend(variant_faults(ring));
     let found = match (ring.family, &ring.curve_mm) {
         (Some(family), None) => family_candidate(ring, family, &mut faults),
         (None, Some(points)) => measured_candidates(ring, points, &mut faults),
@@ -52,7 +54,12 @@ fn family_candidate(ring: &Ring, family: RingFamily, faults: &mut Vec<Fault>) ->
     }
     match ring.size_mm {
         Some(size) if ring_shape::SIZES_MM.contains(&size) => {
-            return vec![ring_shape::family_curve(family, size)];
+            return vec![ring_shape::shaped_curve(
+                family,
+                size,
+                ring.ap_mm,
+                ring.saddle_height_mm,
+            )];
         }
         Some(size) => faults.push(Fault::error(
             "ring.size_mm",

@@ -5,6 +5,7 @@ use crate::mesh::polyline;
 use crate::repair::placement;
 use crate::repair::ring_attachment::{self, AnnulusCurve, Sutures};
 use crate::repair::ring_shape::RingCurve;
+use crate::repair::ring_sutures::Pulls;
 use crate::scene::{Attachment, Fault, Ring};
 
 /// Beyond the ends of an open ring the annulus takes so much arc to come back to its own place [mm] (our choice:
@@ -41,10 +42,14 @@ pub(crate) fn lay(candidate: &RingCurve, ring: &Ring, annulus: &AnnulusCurve) ->
 fn lay_as_it_is(candidate: &RingCurve, ring: &Ring, annulus: &AnnulusCurve) -> Laid {
     let curve = place(candidate, ring.placed, annulus);
     let sutures = match ring.attachment {
-        Attachment::ArcLength => ring_attachment::by_arc_length(annulus, &curve),
+        Attachment::ArcLength | Attachment::Sutures => ring_attachment::by_arc_length(annulus, &curve),
         Attachment::NearestPoint => ring_attachment::by_nearest_point(annulus, &curve),
     };
-    let moved = sew(annulus, &curve, &sutures);
+    let pulls = match ring.attachment {
+        Attachment::Sutures => Some(Pulls::new(annulus, &curve, ring.suture_count())),
+        _ => None,
+    };
+    let moved = sew(annulus, &curve, &sutures, pulls.as_ref());
     let warp_mm = warp(annulus, &sutures, &moved);
     Laid {
         warp_mm,
@@ -95,8 +100,13 @@ fn place(candidate: &RingCurve, placed: bool, annulus: &AnnulusCurve) -> RingCur
     curve
 }
 
-/// Where all annulus points end up, in the order of the curve.
-fn sew(annulus: &AnnulusCurve, curve: &RingCurve, sutures: &Sutures) -> Vec<Vec3> {
+/// Where all annulus points end up, in the order of the curve: on the ring, or as single sutures pull.
+pub(super) fn sew(
+    annulus: &AnnulusCurve,
+    curve: &RingCurve,
+    sutures: &Sutures,
+    pulls: Option<&Pulls>,
+) -> Vec<Vec3> {
     let arcs = polyline::arc_lengths(&curve.points_mm, curve.closed);
     let on_ring = |arc: f64| polyline::point_at_arc(&curve.points_mm, curve.closed, &arcs, arc);
     let [start, end] = sutures.span_mm;
@@ -109,7 +119,10 @@ fn sew(annulus: &AnnulusCurve, curve: &RingCurve, sutures: &Sutures) -> Vec<Vec3
         x * x * (3.0 - 2.0 * x)
     };
     let place = |(i, suture): (usize, &Option<f64>)| match *suture {
-        Some(arc) => on_ring(arc),
+        Some(arc) => match pulls {
+            Some(pulls) => annulus.points_mm[i] + pulls.at(annulus.arcs_mm[i]),
+            None => on_ring(arc),
+        },
         None => {
             let at = annulus.arcs_mm[i];
             let near_start = fade((start - at).rem_euclid(total));
@@ -123,7 +136,7 @@ fn sew(annulus: &AnnulusCurve, curve: &RingCurve, sutures: &Sutures) -> Vec<Vec3
 }
 
 /// Mean and largest distance by which sewn points move.
-fn warp(annulus: &AnnulusCurve, sutures: &Sutures, moved: &[Vec3]) -> [f64; 2] {
+pub(super) fn warp(annulus: &AnnulusCurve, sutures: &Sutures, moved: &[Vec3]) -> [f64; 2] {
     let sewn = (0..moved.len()).filter(|&i| sutures.ring_arc_mm[i].is_some());
     let distances: Vec<f64> = sewn.map(|i| (moved[i] - annulus.points_mm[i]).norm()).collect();
     let mean = distances.iter().sum::<f64>() / distances.len().max(1) as f64;

@@ -85,9 +85,33 @@ fn proportions(family: RingFamily) -> Proportions {
     }
 }
 
+/// Posterior over anterior height where a planar family is given a height [1]: as in [`RingFamily::Saddle`].
+const POSTERIOR_PART: f64 = 0.3;
+
 /// A family's curve: x across, y anterior, z to the atrium, origin midway between the widest points.
 pub fn family_curve(family: RingFamily, size_mm: f64) -> RingCurve {
-    let shape = proportions(family);
+    shaped_curve(family, size_mm, None, None)
+}
+
+/// The same with another anteroposterior diameter, or another height of its anterior middle above the widest line [mm].
+pub fn shaped_curve(
+    family: RingFamily,
+    size_mm: f64,
+    ap_mm: Option<f64>,
+    saddle_height_mm: Option<f64>,
+) -> RingCurve {
+    let mut shape = proportions(family);
+    if let Some(ap_mm) = ap_mm {
+        shape.anteroposterior = ap_mm / size_mm;
+    }
+    if let Some(height_mm) = saddle_height_mm {
+        let posterior_part = match shape.anterior_height > 0.0 {
+            true => shape.posterior_height / shape.anterior_height,
+            false => POSTERIOR_PART,
+        };
+        shape.anterior_height = height_mm / size_mm;
+        shape.posterior_height = posterior_part * shape.anterior_height;
+    }
     let point = |i: usize| {
         // The first point is the anterior middle.
         let (sin, cos) = (TAU * (0.25 + i as f64 / SAMPLES as f64)).sin_cos();
@@ -260,11 +284,7 @@ pub fn parse_ring_spec(spec: &str) -> Result<Ring, Fault> {
     Ok(Ring {
         family: Some(family),
         size_mm: Some(size_mm),
-        curve_file: None,
-        curve_mm: None,
-        closed: None,
-        placed: false,
-        attachment: Default::default(),
+        ..Ring::default()
     })
 }
 

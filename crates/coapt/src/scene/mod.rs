@@ -7,6 +7,7 @@ mod chordae;
 mod readable;
 mod repair;
 mod repair_chordae;
+mod repair_leaflet;
 mod tissue;
 
 use serde::{Deserialize, Serialize};
@@ -19,6 +20,7 @@ pub use repair_chordae::{
     AnnulusPlace, ChordPart, CloseCleft, CutChord, Neochord, RelocatePapillary, Rupture, Segment,
     TransferChord,
 };
+pub use repair_leaflet::{Augment, Resect, ResectionShape};
 pub use tissue::{
     SpringBranches, Tissue, Wrinkling, default_bending_modulus_mpa, default_compression_modulus_ratio,
     default_poisson_ratio,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CloseCleft, CutChord, Neochord, RelocatePapillary, Rupture, TransferChord};
+use super::{Augment, CloseCleft, CutChord, Neochord, RelocatePapillary, Resect, Rupture, TransferChord};
 
 /// A list of repairs, applied in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -42,10 +42,14 @@ pub enum Repair {
     RelocatePapillary(RelocatePapillary),
     /// An indentation of the posterior margin is sewn up.
     CloseCleft(CloseCleft),
+    /// A piece of a leaflet is cut out, and the edges of the gap are sewn together.
+    Resect(Resect),
+    /// A patch is set into a leaflet, which makes it higher.
+    Augment(Augment),
 }
 
 /// An annuloplasty ring: a parametric family with a size, or a curve.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Ring {
@@ -55,6 +59,13 @@ pub struct Ring {
     /// Inner transverse diameter [mm], for a family.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size_mm: Option<f64>,
+    /// Inner anteroposterior diameter [mm], instead of the family's share of the size.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ap_mm: Option<f64>,
+    /// How far the ring's anterior middle stands above its widest line, toward the atrium [mm], instead of the family's share of
+    /// the size. The posterior middle stands up in the family's proportion to it, in a planar family's by 0.3, as in `saddle`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub saddle_height_mm: Option<f64>,
     /// Ring curve from a file: Slicer markups JSON or a polyline (.vtk, .vtp).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curve_file: Option<String>,
@@ -70,6 +81,12 @@ pub struct Ring {
     /// How annulus points find their place on the ring.
     #[serde(default)]
     pub attachment: Attachment,
+    /// How many sutures there are, for `attachment = "sutures"`; absent: 12, of the 10 to 14 that are usual.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sutures: Option<u32>,
+    /// The ring is a thread in the annulus rather than a frame: it takes the annulus' length, not its shape.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub flexible: bool,
 }
 
 /// Parametric ring shapes.
@@ -99,6 +116,9 @@ pub enum Attachment {
     ArcLength,
     /// Each point to the nearest point of the ring (paper 003).
     NearestPoint,
+    /// Evenly spaced sutures draw the annulus onto the ring where they are, as far along it as by arc length; what lies between
+    /// moves as they do, smoothly from one to the next, and keeps its shape beside that.
+    Sutures,
 }
 
 /// A named place along the line of closure; see [`crate::repair::site`].

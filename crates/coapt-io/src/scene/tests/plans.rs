@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use coapt::scene::{ClipModel, ClipSize, Plan, Repair, Segment, Site};
+use coapt::scene::{ClipModel, ClipSize, Plan, Repair, ResectionShape, Segment, Site};
 
 use super::*;
 
@@ -55,9 +55,34 @@ position = 0.36
 depth_mm = 2
 
 [[repair]]
+kind = "resect"
+leaflet = "posterior"
+shape = "quadrangular"
+site = "A2P2"
+width_mm = 12
+strip_mm = 2.5
+cut_chords = true
+
+[[repair]]
+kind = "augment"
+leaflet = "posterior"
+position = 0.5
+width_mm = 8
+
+[[repair]]
 kind = "ring"
 family = "saddle"
 size_mm = 30
+ap_mm = 24
+saddle_height_mm = 6
+attachment = "sutures"
+sutures = 10
+
+[[repair]]
+kind = "ring"
+family = "posterior-band"
+size_mm = 30
+flexible = true
 "#;
 
 fn read(text: &str) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
@@ -68,7 +93,7 @@ fn read(text: &str) -> Result<(Plan, Vec<Fault>), Vec<Fault>> {
 fn every_kind_of_repair_is_read_and_written_again() {
     let (plan, warnings) = read(ALL).unwrap();
     assert!(warnings.is_empty(), "{warnings:?}");
-    assert_eq!(plan.repair.len(), 9);
+    assert_eq!(plan.repair.len(), 12);
     let Repair::Clip(clip) = &plan.repair[0] else {
         panic!("{plan:?}")
     };
@@ -90,6 +115,21 @@ fn every_kind_of_repair_is_read_and_written_again() {
         (rupture.region, &rupture.groups[..]),
         (Segment::P2, &["marginal".to_owned()][..])
     );
+    let Repair::Resect(piece) = &plan.repair[8] else {
+        panic!("{plan:?}")
+    };
+    assert_eq!(
+        (piece.shape, piece.strip_mm, piece.height_fraction),
+        (ResectionShape::Quadrangular, Some(2.5), None)
+    );
+    let Repair::Augment(patch) = &plan.repair[9] else {
+        panic!("{plan:?}")
+    };
+    assert_eq!((patch.width_mm, patch.length_mm), (8.0, 30.0));
+    let Repair::Ring(ring) = &plan.repair[10] else {
+        panic!("{plan:?}")
+    };
+    assert_eq!((ring.ap_mm, ring.suture_count()), (Some(24.0), 10));
     let again = toml::to_string(&plan).unwrap();
     assert_eq!(read(&again).unwrap().0, plan);
     let json = serde_json::to_string(&plan).unwrap();
