@@ -57,7 +57,7 @@ fn check<T>(read: &Result<(T, Vec<Fault>), Vec<Fault>>) {
 
 fn model(text: &str, scene: &Scene) -> Option<Model> {
     match Model::build(scene) {
-        Ok(Built { model, warnings }) => {
+        Ok(Built { model, warnings, .. }) => {
             check_faults(&warnings, false);
             Some(model)
         }

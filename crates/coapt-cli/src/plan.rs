@@ -8,10 +8,16 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, value_parser};
 use coapt::model::{Built, Model, size};
-use coapt::plan::{Comparison, Progress, Settings, compare_watched};
+use coapt::personalise::Watch;
+use coapt::plan::{Comparison, Progress, Row, Sampling, Settings, Summaries, compare_watched, summaries};
 use coapt::scene::Fault;
-use coapt_io::plan::{PlanFile, PlanReport, in_plan, prepare_shapes, text, write_plan};
-use coapt_io::scene::{ALTERNATIVE_LIMIT, Alternatives, alternatives_from_text, located, read_text};
+use coapt_io::plan::{
+    PlanFile, PlanReport, SearchReport, found, in_plan, prepare_shapes, rates_of, text, write_plan,
+};
+use coapt_io::scene::{
+    ALTERNATIVE_LIMIT, Alternatives, SAMPLE_LIMIT, Search, alternatives_from_text, located, read_text,
+};
+use rayon::prelude::*;
 
 use crate::case::{self, SizeLimit};
 use crate::closure::{Format, on_threads};
@@ -34,6 +40,20 @@ pub(crate) struct Arguments {
     /// Also write the closed leaflets of every alternative, to shapes/ in that folder
     #[arg(long, requires = "out")]
     shapes: bool,
+    /// Also relax every valve without pressure, for the orifice that it opens to; as `diastole = true` in the plan
+    #[arg(long)]
+    diastole: bool,
+    /// Also tell how fast the criteria change with the numbers in the repairs and the length of the chordae; as
+    /// `sensitivities = true` in the plan
+    #[arg(long)]
+    sensitivities: bool,
+    /// Also close so many valves that an image could not tell from the given one, before and after the best alternatives; as
+    /// `samples` of `[uncertainty]` in the plan
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=i64::from(SAMPLE_LIMIT)))]
+    samples: Option<u32>,
+    /// Which such valves: the same seed gives the same ones [default: 1]
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
     /// How the comparison is printed
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -51,7 +71,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let case = case::open(Some(&arguments.scene), arguments.limit)?;
     let plan_text = read_text(&arguments.plan).map_err(|fault| vec![fault])?;
-    let (plan, mut warnings) = read(&arguments.plan, &plan_text, arguments.max_alternatives)?;
+    let (mut plan, mut warnings) = read(&arguments.plan, &plan_text, arguments.max_alternatives)?;
     let Built {
         model,
         warnings: more,
@@ -65,22 +85,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
             prepare_shapes(folder).map_err(Failure::Outside)?;
         }
     }
-    let begun = Instant::now();
-    let settings = Settings {
-        criteria: plan.criteria.clone(),
-        keep_positions: arguments.shapes,
-    };
-    let comparison = on_threads(arguments.threads, || Ok(compare(&model, &plan, &settings)))?;
-    let took = begun.elapsed();
+    ask(arguments, &mut plan)?;
     let name = arguments.plan.display().to_string();
     let file = PlanFile {
         name: &name,
         text: &plan_text,
     };
-    let report = PlanReport::new(&model, file, &plan, &comparison, &warnings);
-    if report.all_refused() {
-        return Err(all_faults(file, &plan, &comparison).into());
-    }
+    let (report, comparison) = on_threads(arguments.threads, || {
+        work(arguments, &model, file, &plan, &warnings)
+    })?;
     if let Some(folder) = &arguments.out {
         write_plan(folder, &report, &model, &plan, &comparison).map_err(Failure::Outside)?;
     }
@@ -88,11 +101,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         Format::Text => text(&report),
         Format::Json => report.json().map_err(Failure::Outside)?,
     })?;
-    say(&format!(
-        "{} closures in {:.1} s",
-        plan.alternatives.len() + 1,
-        took.as_secs_f64()
-    ));
     if let Some(folder) = &arguments.out {
         say(&format!("results are in {}", folder.display()));
     }
@@ -100,6 +108,117 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         true => Verdict::Done,
         false => Verdict::Uncertified,
     })
+}
+
+/// What the command line asks for beside the plan.
+fn ask(arguments: &Arguments, plan: &mut Alternatives) -> Result<(), Failure> {
+    let asked = &mut plan.asked;
+    asked.diastole |= arguments.diastole;
+    asked.sensitivities |= arguments.sensitivities;
+    if let Some(samples) = arguments.samples {
+        asked.sampling.get_or_insert_default().samples = samples;
+    }
+    match (arguments.seed, &mut asked.sampling) {
+        (Some(seed), Some(sampling)) => sampling.seed = seed,
+        (Some(_), None) => {
+            let message =
+                "is given without an ensemble; expected --samples beside it, or [uncertainty] in the plan";
+            return Err(vec![Fault::error("--seed", message)].into());
+        }
+        (None, _) => {}
+    }
+    Ok(())
+}
+
+/// Does all that is asked for.
+fn work(
+    arguments: &Arguments,
+    model: &Model,
+    file: PlanFile,
+    plan: &Alternatives,
+    warnings: &[Fault],
+) -> Result<(PlanReport, Comparison), Failure> {
+    let asked = &plan.asked;
+    let settings = Settings {
+        criteria: plan.ranked_by(),
+        keep_positions: arguments.shapes || asked.sensitivities,
+        diastole: asked.diastole,
+    };
+    // First: it may be refused.
+    let found = match &asked.search {
+        Some(sought) => Some(search(model, file, sought)?),
+        None => None,
+    };
+    let count = plan.alternatives.len() + 1;
+    let mut comparison = timed(&format!("{count} closures"), || compare(model, plan, &settings));
+    let mut report = PlanReport::new(model, file, plan, &comparison, warnings);
+    if report.all_refused() {
+        return Err(all_faults(file, plan, &comparison).into());
+    }
+    report.search = found;
+    if let Some(sampling) = &asked.sampling {
+        report = report.with_ensembles(&sample(model, plan, &comparison, sampling));
+    }
+    if asked.sensitivities {
+        report = rated(report, model, plan, &comparison);
+        if !arguments.shapes {
+            forget_shapes(&mut comparison);
+        }
+    }
+    Ok((report, comparison))
+}
+
+/// Does something and says how long it took.
+fn timed<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    let begun = Instant::now();
+    let done = work();
+    say(&format!("{what} in {:.1} s", begun.elapsed().as_secs_f64()));
+    done
+}
+
+fn search(model: &Model, file: PlanFile, sought: &Search) -> Result<SearchReport, Vec<Fault>> {
+    let told = |faults: Vec<Fault>| {
+        let located = |fault: &Fault| located(file.name, file.text, fault);
+        faults.iter().map(located).collect::<Vec<_>>()
+    };
+    timed("search", || {
+        watching("the search", |watch| found(model, sought, watch)).map_err(told)
+    })
+}
+
+fn sample(model: &Model, plan: &Alternatives, comparison: &Comparison, sampling: &Sampling) -> Summaries {
+    let count = sampling.samples as usize * (sampling.count(comparison) + 1);
+    let counter = Counter::new(count);
+    timed(&format!("{count} samples"), || {
+        watching("the samples", |watch| {
+            summaries(model, &plan.alternatives, comparison, sampling, &|progress| {
+                counted(progress, &counter, watch)
+            })
+        })
+    })
+}
+
+/// The report with rates of each row.
+fn rated(report: PlanReport, model: &Model, plan: &Alternatives, comparison: &Comparison) -> PlanReport {
+    let of = |row: &Row| {
+        let outcome = row.result.as_ref().ok()?;
+        let repairs = &plan.alternatives[row.alternative].repairs;
+        Some(rates_of(model, repairs, outcome))
+    };
+    let before = rates_of(model, &[], &comparison.before);
+    let rows: Vec<_> = comparison.rows.par_iter().map(of).collect();
+    report.with_rates(&before, &rows)
+}
+
+/// Shapes that were kept for rates alone are not written.
+fn forget_shapes(comparison: &mut Comparison) {
+    let outcomes = comparison
+        .rows
+        .iter_mut()
+        .filter_map(|row| row.result.as_mut().ok());
+    for outcome in outcomes.chain([&mut comparison.before]) {
+        outcome.positions_mm.clear();
+    }
 }
 
 fn read(path: &Path, text: &str, limit: u64) -> Result<(Alternatives, Vec<Fault>), Vec<Fault>> {
@@ -122,19 +241,21 @@ fn compare(model: &Model, plan: &Alternatives, settings: &Settings) -> Compariso
     }
     let counter = Counter::new(plan.alternatives.len() + 1);
     watching("the alternatives", |watch| {
-        compare_watched(model, &plan.alternatives, settings, &|progress| match progress {
-            Progress::Iterated(moment) => watch(moment),
-            Progress::Closed => {
-                note_closed();
-                counter.step();
-                ControlFlow::Continue(())
-            }
-            Progress::Refused => {
-                counter.step();
-                ControlFlow::Continue(())
-            }
+        compare_watched(model, &plan.alternatives, settings, &|progress| {
+            counted(progress, &counter, watch)
         })
     })
+}
+
+/// Notes what closes, for the line that counts and for an interruption.
+fn counted(progress: &Progress, counter: &Counter, watch: Watch) -> ControlFlow<()> {
+    match progress {
+        Progress::Iterated(moment) => return watch(moment),
+        Progress::Closed => note_closed(),
+        Progress::Refused => {}
+    }
+    counter.step();
+    ControlFlow::Continue(())
 }
 
 /// Why none could be carried out; the same fault of several alternatives once.

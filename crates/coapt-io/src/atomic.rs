@@ -172,6 +172,9 @@ pub fn write_files(folder: &Path, files: &[(&str, String)]) -> std::result::Resu
 /// # Errors
 /// What the file system says.
 pub fn make_folder(folder: &Path) -> std::result::Result<(), Fault> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(file_fault(folder, &"is a file; expected a folder to write to"));
+    }
     // Held from before the folder exists: who halts must know of it.
     let mut register = register();
     let all = folder.ancestors().filter(|above| !above.as_os_str().is_empty());

@@ -1,10 +1,12 @@
 //! The gentlest repair that reaches a goal: which ring gives 8 mm of coaptation with the smallest reduction?
 
+use std::ops::ControlFlow;
+
 use rayon::prelude::*;
 
 use crate::measure::{Measures, measure};
 use crate::model::Model;
-use crate::relax::{Equilibrium, relax};
+use crate::relax::{Equilibrium, Moment, relax_watched};
 use crate::scene::Fault;
 use crate::sensitivity::{Parameter, sensitivity};
 use crate::state::State;
@@ -87,10 +89,22 @@ pub fn search<F: Fn(&Measures) -> f64 + Sync>(
     goal: &Goal<F>,
     model_at: impl Fn(f64) -> Result<Model, Vec<Fault>> + Sync,
 ) -> Result<Found, Vec<Fault>> {
+    search_watched(goal, model_at, &|_| ControlFlow::Continue(()))
+}
+
+/// The same with somebody looking on at the closures, some of which run side by side; a closure that he stops reaches no goal.
+///
+/// # Errors
+/// As [`search`].
+pub fn search_watched<F: Fn(&Measures) -> f64 + Sync>(
+    goal: &Goal<F>,
+    model_at: impl Fn(f64) -> Result<Model, Vec<Fault>> + Sync,
+    watch: &(dyn Fn(&Moment) -> ControlFlow<()> + Sync),
+) -> Result<Found, Vec<Fault>> {
     check(goal).map_err(|fault| vec![fault])?;
     let attempt = |value: f64| {
         let model = model_at(value)?;
-        let closed = relax(&model, &State::open(&model));
+        let closed = relax_watched(&model, &State::open(&model), watch);
         let measured = (goal.measure)(&measure(&model, &closed.state.positions_mm, &closed.reactions_n));
         Ok::<_, Vec<Fault>>(Attempt {
             value,
@@ -103,7 +117,9 @@ pub fn search<F: Fn(&Measures) -> f64 + Sync>(
     let part = |step: u32| f64::from(step) / f64::from(FIRST_TRIED - 1);
     let value = |step: u32| goal.gentlest + part(step) * (goal.most_drastic - goal.gentlest);
     let first = (0..FIRST_TRIED).into_par_iter().map(|step| attempt(value(step)));
-    let mut first: Vec<Attempt> = first.collect::<Result<_, _>>()?;
+    let first: Vec<Result<Attempt, Vec<Fault>>> = first.collect();
+    // One after the other: of several faults the first is told, whichever thread was faster.
+    let mut first: Vec<Attempt> = first.into_iter().collect::<Result<_, _>>()?;
     let mut tried: Vec<Tried> = first.iter().map(Attempt::tried).collect();
     let mut answer = None;
     if let Some(index) = first.iter().position(reaches) {

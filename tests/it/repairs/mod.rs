@@ -1,5 +1,6 @@
 //! Repairs as a user makes them: a model, a plan, a closure, and which way the measures go.
 
+mod atlas;
 mod chordae;
 mod edge_to_edge;
 mod leaflets;

@@ -300,3 +300,17 @@ fn a_reader_that_goes_away_is_no_failure() {
         assert!(!stderr(&output).contains("panicked"), "{}", stderr(&output));
     }
 }
+
+#[test]
+fn a_file_in_place_of_a_folder_is_told() {
+    let folder = Folder::new("file-for-folder");
+    let file = folder.file("taken", "mine");
+    let output = coapt(&["closure", "healthy", "--out", &file]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        stderr(&output).contains("taken: is a file; expected a folder to write to"),
+        "{}",
+        stderr(&output)
+    );
+    assert_eq!(std::fs::read_to_string(file).unwrap(), "mine");
+}

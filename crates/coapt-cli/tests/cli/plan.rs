@@ -205,3 +205,103 @@ fn wrong_plans_are_status_2_with_their_lines() {
         stderr(&output)
     );
 }
+
+/// The example of `docs/plans.md`: the largest ring that gives 8 mm at A2-P2, which `closure` confirms.
+#[test]
+fn the_ring_with_the_smallest_reduction_is_found() {
+    let folder = Folder::new("plan-search");
+    let page =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/plans.md")).unwrap();
+    let mut plans = page
+        .split("```toml\n")
+        .skip(1)
+        .map(|rest| rest.split("```").next().unwrap());
+    let text = plans.find(|text| text.contains("[search]")).unwrap();
+    let file = folder.file("plan.toml", text);
+    let output = coapt(&["plan", "dilated", &file, "--format", "json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let report: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let found = &report["search"];
+    let size_mm = found["answer"]["value"].as_f64().unwrap();
+    assert!(
+        (26.0..28.0).contains(&size_mm) && found["answer"]["certified"] == true,
+        "{found}"
+    );
+    let with = |size_mm: f64| -> f64 {
+        let ring = format!("physio-like:{size_mm}");
+        let closed = stdout(&coapt(&[
+            "closure", "dilated", "--ring", &ring, "--format", "json",
+        ]));
+        let closed: Value = serde_json::from_str(&closed).unwrap();
+        closed["after"]["coaptation"]["length_a2p2_mm"].as_f64().unwrap()
+    };
+    assert_eq!(Some(with(size_mm)), found["answer"]["measured"].as_f64());
+    let tried = found["tried"].as_array().unwrap();
+    let at = tried
+        .iter()
+        .position(|tried| tried["value"] == found["answer"]["value"])
+        .unwrap();
+    let before = &tried[at - 1];
+    assert!(
+        before["measured"].as_f64().unwrap() < 8.0 && before["value"].as_f64().unwrap() - size_mm <= 0.05,
+        "{before}"
+    );
+}
+
+/// All that can be asked for at the command line, in the same bytes at any number of threads; what is kept for rates alone is not written.
+#[test]
+fn more_can_be_asked_for_at_the_command_line() {
+    let folder = Folder::new("plan-asked");
+    let valve = folder.preset("valve", "dilated", &[]);
+    let rings = plan(&folder, "plan.toml", &format!("{RING}size_mm = [28, 32]\n"));
+    let of = |threads: &str| {
+        let out = folder.path(threads);
+        let asked = ["--diastole", "--sensitivities", "--samples", "3", "--seed", "2"];
+        let output = coapt(
+            &[
+                &["plan", &valve, &rings, "--out", &out, "--threads", threads][..],
+                &asked,
+            ]
+            .concat(),
+        );
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stderr(&output).contains("9 samples in "), "{}", stderr(&output));
+        (stdout(&output), snapshot(Path::new(&out)))
+    };
+    let (text, files) = of("1");
+    assert!((text.clone(), files.clone()) == of("2"));
+    for words in [
+        "valves like this one (",
+        "per mm of repair[0].size: ",
+        "open without pressure: ",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    assert!(
+        !files.keys().any(|name| name.starts_with("shapes")),
+        "{:?}",
+        files.keys()
+    );
+    let alone = coapt(&["plan", &valve, &rings, "--seed", "2"]);
+    assert_eq!(alone.status.code(), Some(2));
+    assert!(
+        stderr(&alone).contains("--seed is given without an ensemble; expected --samples beside it"),
+        "{}",
+        stderr(&alone)
+    );
+}
+
+#[test]
+fn a_search_for_what_is_not_measured_is_status_2_with_its_line() {
+    let folder = Folder::new("plan-search-wrong");
+    let goal = "[search]\nalternative = 0\nkey = \"size_mm\"\nfrom = 36\nto = 24\ntolerance = 0.1\nmeasure = \"coaptation/length\"\nat_least = 8\n";
+    let file = plan(&folder, "plan.toml", &format!("{RING}size_mm = 30\n{goal}"));
+    let output = coapt(&["plan", "dilated", &file]);
+    assert_eq!(output.status.code(), Some(2), "{}", stdout(&output));
+    assert!(
+        stderr(&output)
+            .contains("plan.toml:14: search.measure is `coaptation/length`, which is not measured"),
+        "{}",
+        stderr(&output)
+    );
+}

@@ -7,7 +7,7 @@
 use coapt::measure::Measures;
 
 use super::table::quoted;
-use super::{Closed, PlanReport};
+use super::{Closed, Open, PlanReport};
 
 /// A measure: name, unit, value in that unit.
 type Measurement = (&'static str, &'static str, fn(&Measures) -> f64);
@@ -42,7 +42,21 @@ const MEASUREMENTS: [Measurement; 24] = [
         m.leaflets.iter().map(|leaflet| leaflet.area_mm2).sum()
     }),
     ("Leaflet strain - 95th percentile", "1", |m| {
-        coapt::plan::Criterion::Strain.value(m)
+        coapt::plan::largest_strain(m)
+    }),
+];
+
+/// A measure of the valve without pressure: name, unit, value in that unit.
+type OpenMeasurement = (&'static str, &'static str, fn(&Open) -> Option<f64>);
+
+/// Written where they are known, in the phase of their row: the annulus stands as in it.
+const OF_THE_OPEN_VALVE: [OpenMeasurement; 3] = [
+    ("Orifice area without pressure", "mm*mm", |open| open.area_mm2),
+    ("Orifice count without pressure", "1", |open| {
+        Some(open.openings_mm2.as_ref()?.len() as f64)
+    }),
+    ("Mean gradient without pressure, upper estimate", "mmHg", |open| {
+        open.mean_gradient_mmhg
     }),
 ];
 
@@ -65,10 +79,16 @@ fn lines(out: &mut String, name: &str, closed: &Closed) {
     for (measurement, _, value) in MEASUREMENTS {
         *out += &format!("{start},{measurement},{}\n", value(&closed.measures));
     }
+    for (measurement, _, value) in OF_THE_OPEN_VALVE {
+        if let Some(value) = closed.diastole.as_ref().and_then(value) {
+            *out += &format!("{start},{measurement},{value}\n");
+        }
+    }
 }
 
 /// The unit of each measure.
 pub fn units_csv() -> String {
-    let lines = MEASUREMENTS.map(|(name, unit, _)| format!("{name},{unit}\n"));
-    "Measurement,Unit\n".to_owned() + &lines.concat()
+    let closed = MEASUREMENTS.map(|(name, unit, _)| format!("{name},{unit}\n"));
+    let open = OF_THE_OPEN_VALVE.map(|(name, unit, _)| format!("{name},{unit}\n"));
+    "Measurement,Unit\n".to_owned() + &closed.concat() + &open.concat()
 }

@@ -7,8 +7,11 @@
 //! | `plan_long.csv`, `plan_units.csv` | a line per measure of a certified closure, in the long layout of `SlicerHeart`'s batch export, with its table of units |
 //! | `shapes/NUMBER_NAME.vtp` | the closed leaflets of each alternative, where asked for |
 
+mod below;
 mod files;
 mod long;
+mod more;
+mod search;
 mod table;
 mod text;
 
@@ -26,6 +29,8 @@ use crate::scene::{Alternatives, locate, sentence};
 
 pub use files::{prepare_shapes, write_plan};
 pub use long::{long_csv, units_csv};
+pub use more::{Open, Rate, RatesFound, Sampled, Sensitivities, rates_of};
+pub use search::{SearchReport, found, measured};
 pub use table::csv;
 pub use text::text;
 
@@ -55,8 +60,40 @@ pub struct PlanReport {
     pub before: Closed,
     /// Ranked ones first, the best first; then what closed without a certificate; then what could not be carried out.
     pub alternatives: Vec<Row>,
+    /// What was sought and found; absent where nothing was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchReport>,
+    /// Published anatomic limits that the valve as it is can be held against. They are information: nothing follows from them here.
+    pub anatomic_limits: Vec<AnatomicLimit>,
     /// Repairs of the input, guesses and doubts.
     pub warnings: Vec<String>,
+}
+
+/// A published limit of the anatomy for some repair.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AnatomicLimit {
+    /// For which repair it was published.
+    pub repair: &'static str,
+    /// Path of the measure in `before`.
+    pub measure: &'static str,
+    /// Its value there.
+    pub value: f64,
+    /// The least that was asked for, in the unit of the measure.
+    pub at_least: f64,
+    /// Where.
+    pub source: &'static str,
+}
+
+/// The limits whose measures mean what ours do: coaptation length at A2-P2. Not among them: coaptation depth, flail gap and width,
+/// which are taken in echo sections that our measures do not cut, and the mitral valve area, which is that of an open valve in flow.
+fn anatomic_limits(before: &Measures) -> Vec<AnatomicLimit> {
+    vec![AnatomicLimit {
+        repair: "edge-to-edge",
+        measure: "coaptation.length_a2p2_mm",
+        value: before.coaptation.length_a2p2_mm,
+        at_least: 2.0,
+        source: "EACVI",
+    }]
 }
 
 /// A criterion and how fine it tells.
@@ -98,6 +135,27 @@ pub struct Closed {
     /// What it measures.
     #[serde(flatten)]
     pub measures: Measures,
+    /// What its anatomic orifice would let back in a beat, from a sharp to a rounded one [mL]: an estimate.
+    pub regurgitant_volume_ml: [f64; 2],
+    /// The same valve without pressure; absent where it was not asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diastole: Option<Open>,
+    /// What an ensemble of valves like it came to; absent where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<Sampled>,
+    /// Rates of change; absent where they were not asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensitivities: Option<Sensitivities>,
+}
+
+impl Closed {
+    /// The value of a criterion, in its unit; none where it is not known.
+    pub fn value(&self, criterion: Criterion) -> Option<f64> {
+        match criterion {
+            Criterion::DiastolicOrifice => self.diastole.as_ref()?.area_mm2,
+            _ => criterion.value(&self.measures, None),
+        }
+    }
 }
 
 /// How far a closed state can be trusted. No times: the same plan gives the same bytes.
@@ -141,6 +199,7 @@ impl PlanReport {
     ) -> Self {
         let mut lines = Lines::new(file);
         let rows = comparison.rows.iter().map(|row| self::row(row, plan, &mut lines));
+        let criteria = plan.ranked_by();
         Self {
             schema: PLAN_SCHEMA,
             version: env!("CARGO_PKG_VERSION"),
@@ -153,21 +212,21 @@ impl PlanReport {
                 faces: model.faces.len(),
                 chords: model.chords.ends.len(),
             },
-            ranking: plan
-                .criteria
-                .iter()
-                .map(|&criterion| ranking(criterion))
-                .collect(),
+            ranking: criteria.into_iter().map(ranking).collect(),
             before: closed(&comparison.before),
             alternatives: rows.collect(),
+            search: None,
+            anatomic_limits: anatomic_limits(&comparison.before.measures),
             warnings: warnings.iter().map(sentence).collect(),
         }
     }
 
-    /// Whether all that was computed may be used.
+    /// Whether all that was computed may be used; of ensembles and searches, which tell what is not, nothing is asked.
     pub fn certified(&self) -> bool {
         let rows = self.alternatives.iter().filter_map(|row| row.closed.as_ref());
-        rows.chain([&self.before]).all(|closed| closed.solve.certified)
+        let is_open = |closed: &Closed| closed.diastole.as_ref().is_none_or(|open| open.certified);
+        rows.chain([&self.before])
+            .all(|closed| closed.solve.certified && is_open(closed))
     }
 
     /// Whether no alternative could be carried out.
@@ -237,6 +296,10 @@ fn closed(outcome: &Outcome) -> Closed {
             discretisation_mm: certificate.discretisation_mm,
         },
         measures: outcome.measures.clone(),
+        regurgitant_volume_ml: outcome.regurgitant_volume_ml,
+        diastole: outcome.diastole.as_ref().map(Open::new),
+        uncertainty: None,
+        sensitivities: None,
     }
 }
 

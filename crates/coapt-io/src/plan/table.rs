@@ -70,10 +70,18 @@ fn trust(closed: Option<&Closed>, faults: &[String]) -> String {
 
 /// All numbers of a closed state, each by its path: `annulus.ap_mm`, `leaflets.anterior.strain_p95`.
 fn flat(closed: Option<&Closed>) -> BTreeMap<String, f64> {
+    let Some(Ok(Value::Object(mut whole))) = closed.map(serde_json::to_value) else {
+        return BTreeMap::new();
+    };
+    // Has columns of its own.
+    whole.remove("solve");
+    numbers(&whole.into())
+}
+
+/// All numbers in a value, each by its path.
+pub(super) fn numbers(value: &Value) -> BTreeMap<String, f64> {
     let mut found = BTreeMap::new();
-    if let Some(measures) = closed.and_then(|closed| serde_json::to_value(&closed.measures).ok()) {
-        gather("", &measures, &mut found);
-    }
+    gather("", value, &mut found);
     found
 }
 

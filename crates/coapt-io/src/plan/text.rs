@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use coapt::plan::{COAPTATION_TARGET_MM, Criterion};
+use coapt::plan::{COAPTATION_TARGET_MM, Criterion, DIASTOLIC_TARGET_MM2};
 
-use super::{Closed, PlanReport, Ranking, Row, Trust};
+use super::{AnatomicLimit, Closed, PlanReport, Ranking, Row, Trust, below, search};
 use crate::report::{WIDTH, is_zero, line, number, reasons, wrapped};
 
 /// Columns: place, name, and for each measure its value and its change.
@@ -36,18 +36,23 @@ pub fn text(report: &PlanReport) -> String {
         mesh.faces, mesh.vertices, mesh.chords
     );
     line(&mut out, "ranked by", &ranking(&report.ranking));
-    heads(&mut out);
-    values(&mut out, None, "before", &report.before, None);
+    let columns = columns(report);
+    heads(&mut out, &columns);
+    values(&mut out, &columns, (None, "before"), &report.before, None);
     let is_out = |row: &&Row| row.rank.is_none();
     for row in report.alternatives.iter().filter(|row| row.rank.is_some()) {
-        told(&mut out, row, &report.before);
+        told(&mut out, &columns, row, &report.before);
     }
     if report.alternatives.iter().any(|row| is_out(&row)) {
         out.push_str("\nnot ranked\n");
     }
     for row in report.alternatives.iter().filter(is_out) {
-        told(&mut out, row, &report.before);
+        told(&mut out, &columns, row, &report.before);
     }
+    if let Some(found) = &report.search {
+        search::told(&mut out, found);
+    }
+    notes(&mut out, report);
     warnings(&mut out, report);
     let _ = writeln!(out, "\n{}", report.notice);
     out
@@ -63,13 +68,18 @@ fn counted(count: usize, what: &str) -> String {
 fn ranking(criteria: &[Ranking]) -> String {
     let told = criteria.iter().map(|ranking| {
         let bin = ranking.bin;
+        let lacking = |name: &str| {
+            format!("{name} coaptation length, as far as it is below {COAPTATION_TARGET_MM} mm, in steps of {bin} mm")
+        };
         match ranking.criterion {
             Criterion::Orifice => format!("orifice area in steps of {bin} mm²"),
-            Criterion::CoaptationLength => format!(
-                "mean coaptation length, as far as it is below {COAPTATION_TARGET_MM} mm, in steps of {bin} mm"
-            ),
+            Criterion::CoaptationLengthA2P2 => lacking("A2-P2"),
+            Criterion::CoaptationLength => lacking("mean"),
             Criterion::ChordForce => format!("largest chord tension in steps of {bin} N"),
             Criterion::Strain => format!("strain in steps of {:.0} %", 100.0 * bin),
+            Criterion::DiastolicOrifice => format!(
+                "open orifice, as far as it is below {DIASTOLIC_TARGET_MM2} mm², in steps of {bin} mm²"
+            ),
         }
     });
     let told: Vec<String> = told.collect();
@@ -79,31 +89,50 @@ fn ranking(criteria: &[Ranking]) -> String {
     )
 }
 
-/// The measures of the table, with the digits that they are told to.
-const COLUMNS: [(&str, &str, Criterion, usize); 4] = [
-    ("orifice", "mm²", Criterion::Orifice, 1),
-    ("coaptation", "mm", Criterion::CoaptationLength, 1),
-    ("chord, most", "N", Criterion::ChordForce, 2),
-    ("strain, 95 %", "%", Criterion::Strain, 1),
-];
+/// A measure of the table: title, unit, which one, digits.
+type Column = (&'static str, &'static str, Criterion, usize);
 
-fn heads(out: &mut String) {
-    let pair = VALUE + CHANGE;
-    let titles: String = COLUMNS
+const AT_A2P2: Column = ("A2-P2 coapt.", "mm", Criterion::CoaptationLengthA2P2, 1);
+const IN_THE_MEAN: Column = ("mean coapt.", "mm", Criterion::CoaptationLength, 1);
+const OPEN: Column = ("open orifice", "mm²", Criterion::DiastolicOrifice, 0);
+
+/// The columns of the table: the coaptation that ranks, and the open valve where it was computed.
+fn columns(report: &PlanReport) -> Vec<Column> {
+    let ranks = |criterion| report.ranking.iter().any(|it| it.criterion == criterion);
+    let is_mean = ranks(Criterion::CoaptationLength) && !ranks(Criterion::CoaptationLengthA2P2);
+    let mut columns = vec![
+        ("orifice", "mm²", Criterion::Orifice, 1),
+        if is_mean { IN_THE_MEAN } else { AT_A2P2 },
+        ("chord, most", "N", Criterion::ChordForce, 2),
+        ("strain, 95 %", "%", Criterion::Strain, 1),
+    ];
+    columns.extend(report.before.diastole.as_ref().map(|_| OPEN));
+    columns
+}
+
+/// Letters that are left for names.
+fn name_width(columns: &[Column]) -> usize {
+    let left = WIDTH.saturating_sub(RANK + 2 + columns.len() * (VALUE + CHANGE));
+    left.min(NAME)
+}
+
+fn heads(out: &mut String, columns: &[Column]) {
+    let (pair, width) = (VALUE + CHANGE, name_width(columns));
+    let titles: String = columns
         .iter()
         .map(|(title, ..)| format!("  {title:>0$}", pair - 2))
         .collect();
-    let _ = writeln!(out, "\n{:RANK$}  {:NAME$}{titles}", "", "");
-    let units: String = COLUMNS
+    let _ = writeln!(out, "\n{:RANK$}  {:width$}{titles}", "", "");
+    let units: String = columns
         .iter()
         .map(|(_, unit, ..)| format!("{unit:>VALUE$}{:>CHANGE$}", "change"))
         .collect();
-    let _ = writeln!(out, "{:>RANK$}  {:NAME$}{units}", "rank", "alternative");
+    let _ = writeln!(out, "{:>RANK$}  {:width$}{units}", "rank", "alternative");
 }
 
-fn told(out: &mut String, row: &Row, before: &Closed) {
+fn told(out: &mut String, columns: &[Column], row: &Row, before: &Closed) {
     match &row.closed {
-        Some(closed) => values(out, row.rank, &row.name, closed, Some(before)),
+        Some(closed) => values(out, columns, (row.rank, &row.name), closed, Some(before)),
         None => {
             let _ = writeln!(out, "{:>RANK$}  {}", "-", row.name);
             for fault in &row.faults {
@@ -113,27 +142,67 @@ fn told(out: &mut String, row: &Row, before: &Closed) {
     }
 }
 
-fn values(out: &mut String, rank: Option<usize>, name: &str, closed: &Closed, before: Option<&Closed>) {
+fn values(
+    out: &mut String,
+    columns: &[Column],
+    (rank, name): (Option<usize>, &str),
+    closed: &Closed,
+    before: Option<&Closed>,
+) {
+    let width = name_width(columns);
     let rank = rank.map_or("-".to_owned(), |rank| rank.to_string());
-    let is_long = name.chars().count() > NAME;
+    let is_long = name.chars().count() > width;
     if is_long {
         // On a line of its own: names differ at their ends.
         let _ = writeln!(out, "{rank:>RANK$}  {name}");
     }
     let (rank, name) = if is_long { ("", "") } else { (&*rank, name) };
-    let _ = write!(out, "{rank:>RANK$}  {name:NAME$}");
-    for (_, unit, criterion, digits) in COLUMNS {
+    let _ = write!(out, "{rank:>RANK$}  {name:width$}");
+    for &(_, unit, criterion, digits) in columns {
         let scale = if unit == "%" { 100.0 } else { 1.0 };
-        let value = scale * criterion.value(&closed.measures);
-        let change = before.map(|before| value - scale * criterion.value(&before.measures));
-        let change = change.map_or(String::new(), |change| signed(change, digits));
-        let _ = write!(out, "{:>VALUE$}{change:>CHANGE$}", number(value, digits));
+        let value = closed.value(criterion).map(|value| scale * value);
+        let earlier = before.and_then(|before| before.value(criterion));
+        let change = value
+            .zip(earlier)
+            .map(|(value, earlier)| signed(value - scale * earlier, digits));
+        let value = value.map_or("-".to_owned(), |value| number(value, digits));
+        let _ = write!(out, "{value:>VALUE$}{:>CHANGE$}", change.unwrap_or_default());
     }
     let kept = out.trim_end().len();
     out.truncate(kept);
     out.push('\n');
     if let Some(reasons) = doubt(&closed.solve) {
         wrapped(out, &format!("{:RANK$}  NOT CERTIFIED: ", ""), &reasons);
+    }
+    below::lines(out, RANK + 2, closed);
+}
+
+/// What figures must not be taken for, and published limits beside them.
+fn notes(out: &mut String, report: &PlanReport) {
+    out.push('\n');
+    if report.before.diastole.is_some() {
+        let told = "the leaflets without pressure, annulus and papillary tips as in systole; blood pushes them wider, so that \
+                    areas are rather too small and gradients too high: they compare repairs, and are no mitral valve area";
+        line(out, "open orifice", told);
+    }
+    if report.before.uncertainty.is_some() {
+        let told = "like this one as far as an image tells: annulus, papillary tips, chordae, tissue and pressure vary by what is \
+                    not known of them; what the model itself leaves out is not in it";
+        line(out, "valves", told);
+    }
+    for AnatomicLimit {
+        repair,
+        value,
+        at_least,
+        source,
+        ..
+    } in &report.anatomic_limits
+    {
+        let told = format!(
+            "for {repair} repair {source} asks for a coaptation length of {at_least} mm or more; before repair it is {} mm at A2-P2",
+            number(*value, 1)
+        );
+        line(out, "anatomy", &told);
     }
 }
 

@@ -10,6 +10,9 @@ use super::rows::{Row, groups};
 use super::{Report, Solve, UntangledReport};
 use crate::escape::escaped;
 
+/// Residuals up to this one are what is meant where nothing else is said [1].
+const DEFAULT_TOLERANCE: f64 = 1e-6;
+
 /// Longest line.
 pub(crate) const WIDTH: usize = 100;
 
@@ -49,6 +52,13 @@ pub fn text(report: &Report) -> String {
     if let Some(untangled) = &report.untangled {
         line(&mut out, "drawn apart", &untangled_line(untangled));
     }
+    if !report.certified() {
+        line(
+            &mut out,
+            "void",
+            "figures of a shape that is not certified are no prediction",
+        );
+    }
     table(&mut out, report);
     if !report.warnings.is_empty() {
         out.push('\n');
@@ -63,6 +73,10 @@ pub fn text(report: &Report) -> String {
 /// Two lines on how far a result can be trusted.
 fn certificate(out: &mut String, name: &str, solve: &Solve) {
     let verdict = match verdict(solve) {
+        None if solve.residual > DEFAULT_TOLERANCE => format!(
+            "CERTIFIED, but only to a residual of {:.0e} that the scene allows (converged, stable, no surfaces cross)",
+            solve.residual
+        ),
         None => "CERTIFIED (converged, stable, no surfaces cross)".to_owned(),
         Some(reasons) => format!("NOT CERTIFIED: {reasons}"),
     };
@@ -96,11 +110,14 @@ pub(crate) fn reasons(status: Status, stable: bool, crossings: usize) -> String 
         Status::Converged => {}
         Status::IterationLimit => reasons.push("the iteration limit came first".to_owned()),
         Status::Stalled => reasons.push("the solver made no progress any more".to_owned()),
+        Status::Burst => {
+            reasons.push("the valve grew to five times its size, it does not bear this pressure".to_owned());
+        }
         Status::TangledStart => reasons.push("surfaces cross in the open valve already".to_owned()),
         Status::Interrupted => reasons.push("it was interrupted".to_owned()),
     }
-    // After an interruption nobody has looked.
-    if !stable && status != Status::Interrupted {
+    // After these nobody has looked.
+    if !stable && !matches!(status, Status::Interrupted | Status::Burst) {
         reasons.push("the shape is not stable".to_owned());
     }
     if crossings > 0 {

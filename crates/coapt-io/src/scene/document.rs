@@ -12,7 +12,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::json_text::blank_entry;
 use super::nearest::nearest;
-use super::wrong_type;
+use super::{missing_key, wrong_type};
 use crate::encoding;
 use crate::mesh::{looks_binary, mesh_format};
 
@@ -253,7 +253,9 @@ fn deserialize<T: DeserializeOwned>(mut table: Spanned<DeTable<'_>>) -> Result<T
             message = format!("{key}: {message}");
             mended = Some(at);
         }
-        let span = value_in(&table, &span, error.message()).unwrap_or(span);
+        let told =
+            value_in(&table, &span, error.message()).or_else(|| missing_key::lacking::<T>(&table, &error));
+        let span = told.unwrap_or(span);
         let go_on = mended.is_some() && found.len() + 1 < FAULT_LIMIT;
         found.push((mended.unwrap_or(span).start, message));
         if !go_on {
@@ -379,6 +381,8 @@ fn in_plain_types(message: &str) -> String {
     let words = [
         ("expected f64", "expected a number"),
         ("expected u32", "expected a whole number, 0 or above"),
+        ("expected u64", "expected a whole number, 0 or above"),
+        ("expected usize", "expected a whole number, 0 or above"),
         ("expected i64", "expected a whole number"),
         ("expected struct ", "expected a table: "),
         ("type: sequence", "type: list"),

@@ -12,6 +12,7 @@ mod frame;
 mod geometry;
 mod json_text;
 mod locate;
+mod missing_key;
 mod nearest;
 mod plan;
 mod write;
@@ -25,7 +26,8 @@ pub use document::{in_plain_words, read_text};
 pub use locate::{locate, located, sentence};
 pub use nearest::nearest;
 pub use plan::{
-    ALTERNATIVE_LIMIT, Alternatives, alternative_from_text, alternatives_from_text, plan_from_text, read_plan,
+    ALTERNATIVE_LIMIT, Alternatives, Asked, Bound, SAMPLE_LIMIT, Search, alternative_from_text,
+    alternatives_from_text, number_keys, plan_from_text, read_plan, with_number,
 };
 pub use write::{stage_scene, write_scene};
 

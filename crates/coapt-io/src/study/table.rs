@@ -45,6 +45,7 @@ pub(crate) fn status_name(status: Status) -> &'static str {
         Status::Converged => "converged",
         Status::IterationLimit => "iteration-limit",
         Status::Stalled => "stalled",
+        Status::Burst => "burst",
         Status::TangledStart => "tangled-start",
         Status::Interrupted => "interrupted",
     }

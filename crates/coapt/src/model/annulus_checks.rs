@@ -3,6 +3,7 @@
 use super::annulus::{Found, positions, smallest_gap};
 use super::faults::{Faults, some};
 use super::surface::Surface;
+use crate::Vec3;
 use crate::energy::chord::WeightedVertices;
 use crate::mesh::polyline;
 use crate::mesh::topology::{self, Chain};
@@ -40,12 +41,33 @@ pub(super) fn is_joined(surface: &Surface, loops: &[Chain], faults: &mut Faults)
     let border = loops.iter().flat_map(|chain| chain.vertices.iter().copied());
     let (these, those) = border.partition(|&v| of_first[v as usize]);
     let gap = smallest_gap(surface, &[these, those]);
+    let size_ratio = extent_mm(surface, one) / extent_mm(surface, other);
+    let doubt = match size_ratio.max(1.0 / size_ratio) {
+        ratio if ratio >= DOUBTFUL_SIZE_RATIO => {
+            format!("; one is {ratio:.0} times as large as the other: check their units")
+        }
+        _ => String::new(),
+    };
     let message = format!(
         "leaflets[{one}] and leaflets[{other}] share no points, the gap is {gap:.3} mm at the narrowest: which boundary \
-         is annulus is unclear; join them at the commissures, raise `weld.tolerance_mm`, or mark the annulus"
+         is annulus is unclear; join them at the commissures, raise `weld.tolerance_mm`, or mark the annulus{doubt}"
     );
     faults.error("leaflets", message);
     false
+}
+
+/// Leaflets of one valve are not as different in size as this [1]: one is in centimetres or inches (2.54), the other in millimetres is
+/// ten or 25 times as large. Our choice.
+const DOUBTFUL_SIZE_RATIO: f64 = 5.0;
+
+/// Diagonal of the box around a leaflet [mm].
+fn extent_mm(surface: &Surface, leaflet: u32) -> f64 {
+    let faces = surface.faces.iter().zip(&surface.face_leaflet);
+    let of_leaflet = faces.filter(|(_, of)| **of == leaflet);
+    let points = of_leaflet.flat_map(|(face, _)| face.map(|vertex| surface.points[vertex as usize]));
+    let none = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+    let (low, high) = points.fold(none, |(low, high), point| (low.inf(&point), high.sup(&point)));
+    (high - low).norm()
 }
 
 /// Chordae insert in leaflets; where they insert in the annulus, the free margin has been taken for it.
@@ -122,6 +144,18 @@ pub(crate) fn tell_holes(surface: &Surface, found: &Found, loops: &[Chain], faul
 #[cfg(test)]
 mod tests {
     use super::super::fixtures::{ROWS, built, faults, lines, mesh, skirt, skirt_point, told};
+
+    #[test]
+    fn leaflets_in_two_units_are_told() {
+        let mut scene = skirt();
+        let points = &mut mesh(&mut scene, 0).points_mm;
+        points.iter_mut().flatten().for_each(|x| *x *= 0.1);
+        assert!(told(
+            &faults(&scene),
+            "leaflets",
+            "one is 10 times as large as the other: check their units"
+        ));
+    }
 
     #[test]
     fn leaflets_that_nearly_meet_are_told_with_the_gap() {

@@ -147,6 +147,30 @@ fn compact(surface: &mut Surface) {
         .for_each(|v| *v = number[*v as usize]);
 }
 
+/// Where several leaflets meet in nothing but one point, they most likely only touch there.
+fn touching_leaflets(surface: &Surface, vertex: u32) -> String {
+    let faces = surface.faces.iter().zip(&surface.face_leaflet);
+    let mut leaflets: Vec<u32> = faces
+        .filter(|(face, _)| face.contains(&vertex))
+        .map(|(_, &leaflet)| leaflet)
+        .collect();
+    leaflets.sort_unstable();
+    leaflets.dedup();
+    if leaflets.len() < 2 {
+        return String::new();
+    }
+    let names: Vec<String> = leaflets
+        .iter()
+        .map(|leaflet| format!("leaflets[{leaflet}]"))
+        .collect();
+    let [x, y, z] = surface.points[vertex as usize].into();
+    format!(
+        "; {} have that one point at ({x:.2}, {y:.2}, {z:.2}) mm in common: if they only touch there, move them apart by more than \
+         `weld.tolerance_mm`",
+        names.join(" and ")
+    )
+}
+
 /// Refuses what is no surface, tells of slivers, makes neighbours wind alike.
 pub(crate) fn check_shape(surface: &mut Surface, faults: &mut Faults) -> Edges {
     let edges = topology::edges(&surface.faces);
@@ -168,6 +192,7 @@ pub(crate) fn check_shape(surface: &mut Surface, faults: &mut Faults) -> Edges {
     if let Some(&first) = pinched.first() {
         let message = "the surface hangs together by single points: ".to_string()
             + &some(pinched.iter().map(|&v| surface.point_name(v)))
+            + &touching_leaflets(surface, first)
             + &near_points::advice(surface, &edges);
         faults.error(surface.point_name(first), message);
     }

@@ -24,8 +24,15 @@ const CHORD_MPA: RangeInclusive<f64> = 0.1..=1000.0;
 const CHORD_TOE_MPA: RangeInclusive<f64> = 1e-2..=1000.0;
 /// Leaflets are half a millimetre to three thick, chordae as much; a decade about them (our choice).
 const THIN_MM: RangeInclusive<f64> = 0.05..=10.0;
-/// Pressures above this are taken but doubted [mmHg]: no human ventricle has been measured there.
-const DOUBTFUL_PRESSURE_MMHG: f64 = 400.0;
+/// Pressures above this are taken but doubted [mmHg]: no human ventricle has been measured there; and those below, which no ventricle
+/// that keeps a human alive stays under: 13 mmHg are kilopascals. None at all is no mistake of units.
+const DOUBTFUL_PRESSURE_MMHG: [f64; 2] = [30.0, 400.0];
+/// Strain at which tissue stiffens [1]: 0.05 to 0.6 in valves; 25 is per cent (our choice).
+const TRANSITION_STRAIN: RangeInclusive<f64> = 1e-3..=2.0;
+/// A chord pulls on a patch of some millimetres; leaflets are 20 mm high (our choice).
+const INSERTION_RADIUS_MM: RangeInclusive<f64> = 0.05..=8.0;
+/// Contact begins where leaflets touch, at their thickness; at more than so many thicknesses something else is meant [1]: our choice.
+const CONTACT_THICKNESSES: f64 = 3.0;
 
 /// What [`super::Model::build`] takes of a scene's numbers and doubts; for those who write a scene without building it.
 pub fn doubts(scene: &Scene) -> Vec<Fault> {
@@ -48,7 +55,25 @@ pub(crate) fn tell(scene: &Scene, faults: &mut Faults) {
         "mm",
         faults,
     );
+    contact(scene, faults);
     pressure(scene, faults);
+}
+
+fn contact(scene: &Scene, faults: &mut Faults) {
+    let thickest = scene
+        .leaflets
+        .iter()
+        .map(|leaflet| leaflet.thickness_mm)
+        .fold(0.0, f64::max);
+    let given = scene.contact.thickness_mm;
+    if given > CONTACT_THICKNESSES * thickest && scene.contact.is_on() {
+        let message = format!(
+            "is {} mm where leaflets are {} mm thick; they would stop so far from each other",
+            Readable(given),
+            Readable(thickest)
+        );
+        faults.warning("contact.thickness_mm", message);
+    }
 }
 
 /// A number that could stand here but does not look like one of its unit; what cannot stand at all is told elsewhere.
@@ -72,6 +97,32 @@ fn leaflet(leaflet: &Leaflet, place: &str, faults: &mut Faults) {
 }
 
 fn tissue(tissue: &Tissue, place: &str, faults: &mut Faults) {
+    let knees: &[(&str, f64)] = match tissue {
+        Tissue::BilinearSprings {
+            transition_strain, ..
+        } => &[("transition_strain", *transition_strain)],
+        Tissue::AnisotropicSprings {
+            circumferential,
+            radial,
+            ..
+        } => &[
+            (
+                "circumferential.transition_strain",
+                circumferential.transition_strain,
+            ),
+            ("radial.transition_strain", radial.transition_strain),
+        ],
+        _ => &[],
+    };
+    for (key, strain) in knees {
+        doubt(
+            *strain,
+            &TRANSITION_STRAIN,
+            &format!("{place}.{key}"),
+            "mm/mm",
+            faults,
+        );
+    }
     let mut mpa = |key: &str, value: f64, usual: &RangeInclusive<f64>| {
         doubt(value, usual, &format!("{place}.{key}"), "MPa", faults);
     };
@@ -149,6 +200,14 @@ fn chord_group(group: &ChordGroup, place: &str, faults: &mut Faults) {
         "mm",
         faults,
     );
+    let radius = format!("{place}.insertion_radius_mm");
+    doubt(
+        group.insertion_radius_mm,
+        &INSERTION_RADIUS_MM,
+        &radius,
+        "mm",
+        faults,
+    );
     let mut mpa = |key: &str, value: f64, usual: &RangeInclusive<f64>| {
         doubt(value, usual, &format!("{place}.{key}"), "MPa", faults);
     };
@@ -184,8 +243,12 @@ fn pressure(scene: &Scene, faults: &mut Faults) {
         ),
         None => ("load.pressure_mmhg", format!("{:.0} mmHg", Readable(mmhg))),
     };
-    if mmhg > DOUBTFUL_PRESSURE_MMHG {
-        let message = format!("is {given}, expected below {DOUBTFUL_PRESSURE_MMHG} mmHg; check the unit");
+    let [low, high] = DOUBTFUL_PRESSURE_MMHG;
+    if mmhg > high {
+        let message = format!("is {given}, expected below {high} mmHg; check the unit");
+        faults.warning(place, message);
+    } else if mmhg > 0.0 && mmhg < low {
+        let message = format!("is {given}, expected above {low} mmHg at peak systole; check the unit");
         faults.warning(place, message);
     }
 }

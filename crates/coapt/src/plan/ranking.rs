@@ -45,7 +45,7 @@ fn group(row: &Row) -> u8 {
 
 fn by_bins(a: &Outcome, b: &Outcome, criteria: &[Criterion]) -> Ordering {
     let bins = |outcome: &Outcome| -> Vec<u64> {
-        let bin = |criterion: &Criterion| criterion.bin(&outcome.measures);
+        let bin = |criterion: &Criterion| criterion.bin(&outcome.measures, outcome.diastole.as_ref());
         criteria.iter().map(bin).collect()
     };
     bins(a).cmp(&bins(b))
@@ -53,7 +53,7 @@ fn by_bins(a: &Outcome, b: &Outcome, criteria: &[Criterion]) -> Ordering {
 
 fn by_costs(a: &Outcome, b: &Outcome, criteria: &[Criterion]) -> Ordering {
     let compared = criteria.iter().map(|criterion| {
-        let [one, other] = [a, b].map(|outcome| criterion.cost(&outcome.measures));
+        let [one, other] = [a, b].map(|outcome| criterion.cost(&outcome.measures, outcome.diastole.as_ref()));
         one.total_cmp(&other)
     });
     compared.fold(Ordering::Equal, Ordering::then)

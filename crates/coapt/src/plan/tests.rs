@@ -1,14 +1,22 @@
 //! What ranks and what does not, and that a comparison is what its closures are.
 
+use super::ensemble::{Uncertainty, ensemble};
 use super::*;
+use crate::measure::flow::mean_diastolic_gradient_mmhg;
+use crate::measure::{DiastolicOrifice, diastolic_orifice};
 use crate::mesh::parametric::{Preset, ValveParameters, generate};
 use crate::relax::relax;
 use crate::repair::parse_ring_spec;
 use crate::scene::Ring;
+use crate::sensitivity::{Parameter, sensitivity};
 
 fn small(preset: Preset) -> Model {
+    meshed(preset, 200)
+}
+
+fn meshed(preset: Preset, face_count_target: u32) -> Model {
     let parameters = ValveParameters {
-        face_count_target: 200,
+        face_count_target,
         ..ValveParameters::preset(preset)
     };
     Model::build(&generate(&parameters).unwrap()).unwrap().model
@@ -31,7 +39,7 @@ fn outcome(of: &Outcome, [orifice, length, force, strain]: [f64; 4]) -> Outcome 
     let mut outcome = of.clone();
     let measures = &mut outcome.measures;
     measures.orifice.area_mm2 = orifice;
-    measures.coaptation.length_mean_mm = length;
+    measures.coaptation.length_a2p2_mm = length;
     measures.chords.max_force_n = force;
     measures
         .leaflets
@@ -66,7 +74,7 @@ fn ranked(values: &[[f64; 4]], criteria: &[Criterion]) -> Vec<(usize, usize)> {
 
 #[test]
 fn criteria_count_in_their_order_and_noise_is_a_tie() {
-    let all = &Criterion::ALL;
+    let all = &Criterion::DEFAULT;
     // 7.9 mm² are noise beside none: coaptation decides; 8.1 are not.
     let values = [[8.1, 8.0, 1.0, 0.1], [7.9, 8.0, 1.0, 0.1], [0.0, 4.0, 1.0, 0.1]];
     assert_eq!(ranked(&values, all), [(1, 1), (2, 2), (0, 3)]);
@@ -89,7 +97,10 @@ fn ties_share_a_place() {
         [1.0, 7.7, 1.09, 0.109],
         [1.0, 7.7, 1.09, 0.109],
     ];
-    assert_eq!(ranked(&values, &Criterion::ALL), [(2, 1), (3, 1), (0, 1), (1, 4)]);
+    assert_eq!(
+        ranked(&values, &Criterion::DEFAULT),
+        [(2, 1), (3, 1), (0, 1), (1, 4)]
+    );
 }
 
 #[test]
@@ -119,7 +130,7 @@ fn what_is_not_certified_is_never_ranked() {
             result,
         })
         .collect();
-    ranking::rank(&mut rows, &Criterion::ALL);
+    ranking::rank(&mut rows, &Criterion::DEFAULT);
     let told: Vec<_> = rows.iter().map(|row| (row.alternative, row.rank)).collect();
     assert_eq!(told, [(2, Some(1)), (1, None), (4, None), (0, None), (3, None)]);
 }
@@ -184,4 +195,170 @@ fn a_watcher_sees_all_and_stops_all() {
     assert_eq!(done.into_inner(), 12);
     assert_eq!(stopped.before.status, Status::Interrupted);
     assert!(stopped.rows.iter().all(|row| row.rank.is_none()));
+}
+
+/// The open valve is the model at rest without pressure, by planimetry; where that has no certificate there is no figure.
+#[test]
+fn the_open_valve_is_the_one_without_pressure() {
+    let settings = Settings {
+        diastole: true,
+        ..Settings::default()
+    };
+    let mut model = small(Preset::Dilated);
+    let before = compare(&model, &[], &settings).before;
+    let closed_alone = compare(&model, &[], &Settings::default()).before;
+    assert_eq!(closed_alone.diastole, None);
+    assert_eq!(before.measures, closed_alone.measures);
+    let mut slack = model.clone();
+    slack.pressure_mpa = 0.0;
+    let alone = relax(&slack, &State::open(&slack));
+    let diastole = before.diastole.unwrap();
+    let orifice = diastolic_orifice(&model, &alone.state.positions_mm);
+    let area_mm2 = orifice.area_mm2;
+    assert!(diastole.is_certified() && area_mm2 > 100.0, "{diastole:?}");
+    assert_eq!(diastole.orifice, Some(orifice));
+    assert_eq!(
+        diastole.mean_gradient_mmhg,
+        mean_diastolic_gradient_mmhg(area_mm2, &Default::default())
+    );
+    let [sharp, rounded] = before.regurgitant_volume_ml;
+    assert!(0.0 < sharp && sharp < rounded && before.measures.orifice.area_mm2 > 0.0);
+    model.settings.iteration_limit = 2;
+    let hasty = compare(&model, &[], &settings).before.diastole.unwrap();
+    assert!(!hasty.is_certified() && hasty.orifice.is_none() && hasty.mean_gradient_mmhg.is_none());
+}
+
+/// More of it is better up to the target; an alternative whose open valve is not known stands behind, ranked all the same.
+#[test]
+fn the_open_valve_ranks_up_to_its_target() {
+    let model = small(Preset::Healthy);
+    let settings = Settings {
+        diastole: true,
+        ..Settings::default()
+    };
+    let like = compare(&model, &[], &settings).before;
+    let with = |area_mm2: Option<f64>| {
+        let mut outcome = like.clone();
+        let diastole = outcome.diastole.as_mut().unwrap();
+        let orifice = diastole.orifice.take().unwrap();
+        diastole.orifice = area_mm2.map(|area_mm2| DiastolicOrifice { area_mm2, ..orifice });
+        outcome
+    };
+    let outcomes = [None, Some(380.0), Some(500.0), Some(402.0), Some(100.0)].map(with);
+    let row = |(alternative, outcome): (usize, Outcome)| Row {
+        alternative,
+        rank: None,
+        result: Ok(outcome),
+    };
+    let mut rows: Vec<Row> = outcomes.into_iter().enumerate().map(row).collect();
+    ranking::rank(&mut rows, &Criterion::default_with(true));
+    let told: Vec<_> = rows
+        .iter()
+        .map(|row| (row.alternative, row.rank.unwrap()))
+        .collect();
+    assert_eq!(told, [(2, 1), (3, 1), (1, 3), (4, 4), (0, 5)]);
+}
+
+/// Samples begun at the closed valve are, within the noise of meshes and roads, those begun at the open one; a start of another valve
+/// is left alone. On meshes of 200 faces single samples come out elsewhere by 0.65 mm of coaptation.
+#[test]
+fn where_samples_begin_does_not_matter() {
+    let model = meshed(Preset::Dilated, 650);
+    let repairs = &ring(30.0).repairs;
+    let start = sampling::middle(&model, repairs, &|_| ControlFlow::Continue(())).unwrap();
+    let from = |start: Option<&State>| {
+        let look = |_: &Progress| ControlFlow::Continue(());
+        ensemble(&model, repairs, &Uncertainty::default(), (8, 1), start, &look)
+    };
+    let (warm, cold) = (from(Some(&start)), from(None));
+    assert_eq!((warm.certified().count(), cold.certified().count()), (8, 8));
+    for (warm, cold) in warm.certified().zip(cold.certified()) {
+        for criterion in Criterion::ALL {
+            let [one, other] = [warm, cold].map(|it| criterion.value(it, None).unwrap_or(0.0));
+            assert!(
+                (one - other).abs() < criterion.noise(),
+                "{criterion:?}: {one} {other}"
+            );
+        }
+    }
+    let foreign = State {
+        positions_mm: vec![Vec3::zeros()],
+    };
+    assert_eq!(from(Some(&foreign)), cold);
+}
+
+/// The best get an ensemble, and the valve before; the watcher is told of each sample once.
+#[test]
+fn the_best_alternatives_get_ensembles() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let model = small(Preset::Dilated);
+    let alternatives = [ring(28.0), ring(10.0), ring(32.0), ring(30.0)];
+    let comparison = compare(&model, &alternatives, &Settings::default());
+    let sampling = Sampling {
+        samples: 3,
+        alternatives: 2,
+        ..Sampling::default()
+    };
+    let told = AtomicUsize::new(0);
+    let watch = |progress: &Progress| {
+        told.fetch_add(
+            usize::from(!matches!(progress, Progress::Iterated(_))),
+            Ordering::Relaxed,
+        );
+        ControlFlow::Continue(())
+    };
+    let found = summaries(&model, &alternatives, &comparison, &sampling, &watch);
+    assert_eq!((found.rows.len(), told.into_inner()), (2, 9));
+    assert_eq!((found.before.samples, found.before.refused), (3, 0));
+    let all = Sampling {
+        alternatives: 9,
+        ..sampling
+    };
+    assert_eq!(all.count(&comparison), 3, "what failed has none");
+    let best = &found.rows[0];
+    let (_, lengths) = best.intervals[1];
+    let sealed = best.sealed.unwrap();
+    assert!(best.certified > 0 && lengths.low < lengths.high && sealed.low < sealed.high);
+}
+
+/// Rates are those that the closed valve has with the same number (which `tests/it/sensitivity.rs` holds against closures on either
+/// side), and none are told of a shape that is in no balance.
+#[test]
+fn rates_are_those_of_the_closed_valve() {
+    let model = small(Preset::Dilated);
+    let settings = Settings {
+        keep_positions: true,
+        ..Settings::default()
+    };
+    let repairs = ring(33.0).repairs;
+    let mut rows = compare(&model, &[ring(33.0)], &settings).rows;
+    let number = Number {
+        key: "size_mm".into(),
+        value: 33.0,
+        scale: 1.0,
+        repairs_at: &|size_mm| Ok(ring(size_mm).repairs),
+    };
+    let found = rates(&model, &repairs, &rows.remove(0).result.unwrap(), &[number]).unwrap();
+    let keys: Vec<&str> = found.iter().map(|rates| rates.key.as_str()).collect();
+    assert_eq!(keys, ["size_mm", CHORD_SCALE]);
+    let at = |size_mm: f64| Ok(apply_all(&model, &ring(size_mm).repairs).unwrap().model);
+    let here = at(33.0).unwrap();
+    let parameter = Parameter {
+        model_at: &at,
+        value: 33.0,
+        scale: 1.0,
+    };
+    let alone = sensitivity(&here, &relax(&here, &State::open(&here)), &parameter).unwrap();
+    let length = |measures: &Measures| measures.coaptation.length_a2p2_mm;
+    let [with_size, with_chords] = [0, 1].map(|at: usize| found[at].rates.clone().unwrap());
+    assert_eq!(
+        with_size[1],
+        (Criterion::CoaptationLengthA2P2, alone.rate(length))
+    );
+    assert!(alone.rate(length) < 0.0, "a larger ring leaves less coaptation");
+    assert!(found[1].value == 1.0 && with_chords.iter().any(|(_, rate)| *rate != 0.0));
+    let mut hasty = model.clone();
+    hasty.settings.iteration_limit = 2;
+    let lost = compare(&hasty, &[], &settings).before;
+    assert!(rates(&hasty, &[], &lost, &[]).unwrap()[0].rates.is_err());
 }

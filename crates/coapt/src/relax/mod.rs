@@ -71,6 +71,9 @@ pub enum Status {
     IterationLimit,
     /// No step made progress any more.
     Stalled,
+    /// The valve grew far beyond its size: tissue or chordae do not bear the load, and there is no balance that looks like a valve.
+    /// Positions are as far as it had come, and whether they are stable was not asked.
+    Burst,
     /// Leaflets cross, or touch, in the open valve: there is no way to tell which side is which. No model that was built of a
     /// scene does.
     TangledStart,
@@ -207,8 +210,8 @@ fn conclude(newton: &mut Newton, positions: Vec<Vec3>, status: Status, log: Log)
     newton.evaluate(&positions);
     let residual = newton.residual(&newton.gradient);
     let stable = newton.stable.take();
-    // Who has said stop does not wait for a factorisation more.
-    let may_be_stable = residual.is_finite() && status != Status::Interrupted;
+    // Who has said stop does not wait for a factorisation more, and what has burst is no balance.
+    let may_be_stable = residual.is_finite() && !matches!(status, Status::Interrupted | Status::Burst);
     let stable = stable.unwrap_or_else(|| may_be_stable && newton.is_stable(&positions));
     let certificate = certify(model, &newton.surface, &newton.near, &positions, residual, stable);
     let mut reactions_n = vec![Vec3::zeros(); positions.len()];

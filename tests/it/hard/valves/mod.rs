@@ -53,6 +53,10 @@ fn end(preset: Preset, row: &str) -> End {
             "two large leaflets that nothing holds but the annulus, under a load that follows them: no balance of forces was \
              found, at a quarter of the load neither, and there may be none",
         ),
+        (_, "20000 mmHg" | "as soft beyond the knee as below") => End::Uncertified(
+            &[Status::Burst],
+            "there is no balance: the valve grows without end, and is left where it is five times as large as it was",
+        ),
         (_, "open and swapped") => End::Refused("surfaces cross or touch in the open valve"),
         _ => End::Certified,
     }

@@ -25,7 +25,7 @@ pub(super) type Row = (&'static str, &'static str, Deed, &'static [Preset]);
 const ALL: &[Preset] = &Preset::ALL;
 const HEALTHY: &[Preset] = &[Preset::Healthy];
 
-pub(super) const ROWS: [Row; 28] = [
+pub(super) const ROWS: [Row; 30] = [
     ("base", "nothing", Deed::Scene(|_| {}), ALL),
     (
         "slivers",
@@ -93,6 +93,18 @@ pub(super) const ROWS: [Row; 28] = [
         "four times the load",
         Deed::Scene(|scene| scene.load = Load::mmhg(400.0)),
         ALL,
+    ),
+    (
+        "20000 mmHg",
+        "more than any tissue bears",
+        Deed::Scene(|scene| scene.load = Load::mmhg(20_000.0)),
+        HEALTHY,
+    ),
+    (
+        "as soft beyond the knee as below",
+        "springs too weak for the pressure",
+        Deed::Scene(|scene| each_tissue(scene, |soft, stiff| *stiff = *soft)),
+        HEALTHY,
     ),
     (
         "no pressure",

@@ -1,6 +1,8 @@
 //! Plans: repairs that every alternative has, alternatives, and lists and ranges of values that make many of one.
 
+mod asked;
 mod names;
+mod numbers;
 mod read;
 mod sweep;
 #[cfg(test)]
@@ -13,7 +15,10 @@ use coapt::plan::{Alternative, Criterion};
 use coapt::scene::{Fault, Plan, Repair, SCHEMA_VERSION, Space};
 
 use super::files::Files;
+use super::locate::located;
 use super::{finish, folder_of, read_text};
+pub use asked::{Asked, Bound, SAMPLE_LIMIT, Search};
+pub use numbers::{number_keys, with_number};
 use read::{Block, Document};
 
 /// The alternatives of a plan.
@@ -25,8 +30,18 @@ pub struct Alternatives {
     pub alternatives: Vec<Alternative>,
     /// Where each repair stands in the file, `repair[0]` or `alternative[2].repair[0]`, shape `[alternative][repair]`.
     pub keys: Vec<Vec<String>>,
-    /// What ranks them.
-    pub criteria: Vec<Criterion>,
+    /// What ranks them; none where the plan does not say.
+    pub criteria: Option<Vec<Criterion>>,
+    /// What else is asked for.
+    pub asked: Asked,
+}
+
+impl Alternatives {
+    /// What ranks them: what the plan says, else the default.
+    pub fn ranked_by(&self) -> Vec<Criterion> {
+        let criteria = self.criteria.clone();
+        criteria.unwrap_or_else(|| Criterion::default_with(self.asked.diastole))
+    }
 }
 
 /// More alternatives are refused unless more are asked for: half an hour of closures of small valves (our choice).
@@ -97,9 +112,18 @@ fn read(
     }
     document.expand(&name, text)?;
     let mut files = Files::new(folder_of(path), Space::LPS, u32::MAX);
+    let search = document.search.take();
     let made = alternatives(document, &mut files);
     files.judge_frames();
-    finish(made, &name, text, files)
+    let (mut made, warnings) = finish(made, &name, text, files)?;
+    let told = |faults: Vec<Fault>| {
+        let located = |fault: &Fault| located(&name, text, fault);
+        faults.iter().map(located).collect::<Vec<_>>()
+    };
+    made.asked.search = search
+        .map(|keys| asked::search(keys, &made).map_err(told))
+        .transpose()?;
+    Ok((made, warnings))
 }
 
 fn told(count: u64) -> String {
@@ -117,6 +141,7 @@ fn alternatives(document: Document, files: &mut Files) -> Alternatives {
         alternatives: Vec::new(),
         keys: Vec::new(),
         criteria: document.criteria,
+        asked: document.asked,
     };
     let common = combinations(document.common, files);
     for block in document.blocks {

@@ -8,6 +8,7 @@ use toml::{Spanned, Table, Value};
 
 use super::super::document::{is_json, parse_json, toml_table, typed};
 use super::super::locate::located;
+use super::asked::{Asked, SamplingKeys, SearchKeys, sampling};
 use super::sweep::{KIND, Sweeps, alone, repair, sweeps};
 
 /// A plan as it stands in its file, before alternatives are made of it.
@@ -18,7 +19,11 @@ pub(super) struct Document {
     pub(super) common: Block,
     /// What is done after that, one for each `[[alternative]]`; where there is none, one with nothing in it.
     pub(super) blocks: Vec<Block>,
-    pub(super) criteria: Vec<Criterion>,
+    /// What ranks; none where the default does.
+    pub(super) criteria: Option<Vec<Criterion>>,
+    /// What is asked for, but for the search.
+    pub(super) asked: Asked,
+    pub(super) search: Option<SearchKeys>,
 }
 
 /// Repairs one after the other.
@@ -78,6 +83,14 @@ struct PlanOfOne {
     alternative: Vec<AlternativeOfOne>,
     #[serde(default)]
     ranking: Option<Ranking>,
+    #[serde(default)]
+    diastole: bool,
+    #[serde(default)]
+    sensitivities: bool,
+    #[serde(default)]
+    uncertainty: Option<SamplingKeys>,
+    #[serde(default)]
+    search: Option<SearchKeys>,
 }
 
 #[derive(Deserialize)]
@@ -117,6 +130,9 @@ pub(super) fn document(file: &str, text: &str) -> Result<Document, Vec<Fault>> {
     if let Some(message) = criteria.and_then(doubt) {
         fault("ranking.criteria".to_owned(), message);
     }
+    for wrong in read.uncertainty.iter().flat_map(|keys| sampling(keys).1) {
+        fault(wrong.place, wrong.message);
+    }
     if !faults.is_empty() {
         return Err(faults);
     }
@@ -151,13 +167,21 @@ fn grouped(read: PlanOfOne, places: Vec<Place>) -> Document {
     if blocks.is_empty() {
         blocks.push(Block::default());
     }
+    let criteria = read.ranking.map(|ranking| ranking.criteria);
+    let ranks_open = |criteria: &Vec<Criterion>| criteria.contains(&Criterion::DiastolicOrifice);
     Document {
         name: read.name,
         common,
         blocks,
-        criteria: read
-            .ranking
-            .map_or(Criterion::ALL.to_vec(), |ranking| ranking.criteria),
+        asked: Asked {
+            // What ranks is computed.
+            diastole: read.diastole || criteria.as_ref().is_some_and(ranks_open),
+            sensitivities: read.sensitivities,
+            sampling: read.uncertainty.map(|keys| sampling(&keys).0),
+            search: None,
+        },
+        search: read.search,
+        criteria,
     }
 }
 

@@ -1,5 +1,7 @@
 //! What lists and ranges make of a plan, in which order and by which names, and what is refused.
 
+mod asked;
+
 use super::*;
 
 const START: &str = "schema_version = 1\nname = \"p\"\n";
@@ -42,7 +44,10 @@ fn a_plan_without_alternatives_is_one() {
     assert_eq!(made.name, "p");
     assert_eq!((names(&made), sizes(&made)), (vec!["ring"], vec![vec![28.0]]));
     assert_eq!(made.keys, [["repair[0]"]]);
-    assert_eq!(made.criteria, Criterion::ALL);
+    assert_eq!(
+        (made.criteria.as_ref(), made.ranked_by()),
+        (None, Criterion::DEFAULT.to_vec())
+    );
 }
 
 /// Lists multiply; the first key changes most slowly; each alternative begins with the common repairs.
@@ -209,8 +214,8 @@ fn faults_have_lines() {
             "p.toml:8 alternative[0].repair[0].curve_file",
         ),
         (
-            "size_mm = 26\n[ranking]\ncriteria = [\"orifice\", \"coaptation\"]",
-            "p.toml:9:24: unknown value `coaptation`; did you mean `coaptation_length`?",
+            "size_mm = 26\n[ranking]\ncriteria = [\"orifice\", \"chord\"]",
+            "p.toml:9:24: unknown value `chord`; did you mean `chord_force`?",
         ),
         (
             "size_mm = 26\n[ranking]\ncriteria = [\"orifice\", \"orifice\"]",
@@ -218,7 +223,8 @@ fn faults_have_lines() {
         ),
         (
             "size_mm = 26\n[ranking]\ncriteria = []",
-            "p.toml:9 ranking.criteria is an empty list; expected some of orifice, coaptation_length, chord_force, strain",
+            "p.toml:9 ranking.criteria is an empty list; expected some of orifice, coaptation_length_a2p2, coaptation_length, \
+             chord_force, strain, diastolic_orifice",
         ),
     ] {
         let faults = faults(&format!("{start}{wrong}\n"));
@@ -242,7 +248,7 @@ fn faults_have_lines() {
 #[test]
 fn criteria_are_those_of_the_plan() {
     let made = made("[ranking]\ncriteria = [\"strain\", \"orifice\"]\n");
-    assert_eq!(made.criteria, [Criterion::Strain, Criterion::Orifice]);
+    assert_eq!(made.ranked_by(), [Criterion::Strain, Criterion::Orifice]);
     assert_eq!(names(&made), ["no repair"]);
 }
 

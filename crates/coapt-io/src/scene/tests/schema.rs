@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
-use coapt::plan::Criterion;
+use coapt::plan::ensemble::Uncertainty;
+use coapt::plan::{Criterion, Sampling};
 use coapt::scene::{Plan, Scene};
 use schemars::{Schema, schema_for};
 use serde_json::{Map, Value, json};
+
+use super::super::SAMPLE_LIMIT;
 
 /// Set this to write the schemas anew.
 const REFRESH: &str = "COAPT_REFRESH_SCHEMAS";
@@ -77,7 +80,75 @@ fn with_alternatives(plan: Schema) -> Schema {
         "required": ["criteria"],
         "additionalProperties": false
     });
+    asked(&mut plan["properties"]);
     Schema::try_from(plan).unwrap()
+}
+
+/// What a plan asks for beside its alternatives.
+fn asked(properties: &mut Value) {
+    properties["diastole"] = json!({
+        "description": "Whether each valve is also relaxed without pressure, for the orifice that it opens to.",
+        "type": "boolean",
+        "default": false
+    });
+    properties["sensitivities"] = json!({
+        "description": "Whether to tell how fast the criteria change with the numbers in the repairs and the length of the chordae.",
+        "type": "boolean",
+        "default": false
+    });
+    let mut unknown = Value::from(schema_for!(Uncertainty));
+    let Sampling {
+        samples,
+        seed,
+        alternatives,
+        ..
+    } = Sampling::default();
+    for (key, description, default, minimum) in [
+        ("samples", "Valves of an ensemble.", u64::from(samples), 1),
+        (
+            "seed",
+            "Which ensemble: the same seed gives the same valves.",
+            seed,
+            0,
+        ),
+        (
+            "alternatives",
+            "So many alternatives have one, the best.",
+            alternatives as u64,
+            0,
+        ),
+    ] {
+        unknown["properties"][key] = json!({
+            "description": description, "type": "integer", "minimum": minimum, "default": default
+        });
+    }
+    unknown["properties"]["samples"]["maximum"] = SAMPLE_LIMIT.into();
+    unknown["description"] = "Ensembles of valves that an image could not tell from the given one; what is not known of it, as \
+                              standard deviations of normal distributions, beyond three of which nothing is drawn."
+        .into();
+    for key in ["$schema", "title"] {
+        unknown.as_object_mut().unwrap().remove(key);
+    }
+    properties["uncertainty"] = unknown;
+    let number = |description: &str| json!({ "description": description, "type": "number" });
+    let count = |description: &str| json!({ "description": description, "type": "integer", "minimum": 0 });
+    properties["search"] = json!({
+        "description": "The gentlest value of a number in a repair that reaches a goal; either at_least or at_most.",
+        "type": "object",
+        "properties": {
+            "alternative": count("Whose repair it is, from 0; none for those that every alternative begins with."),
+            "repair": count("Which of its repairs, from 0."),
+            "key": { "description": "The number's key.", "type": "string" },
+            "from": number("The gentlest value."),
+            "to": number("The most drastic value."),
+            "tolerance": { "description": "How exactly the answer is wanted.", "type": "number", "exclusiveMinimum": 0 },
+            "measure": { "description": "A criterion, or the path of a measure in plan.json, such as coaptation/length_a2p2_mm.", "type": "string" },
+            "at_least": number("The least that it should be."),
+            "at_most": number("The most that it should be.")
+        },
+        "required": ["key", "from", "to", "tolerance", "measure"],
+        "additionalProperties": false
+    });
 }
 
 /// Every key of a repair that takes one value takes a list of them too, and a range where they are numbers.

@@ -1,0 +1,148 @@
+//! Lines below the row of a closed valve: the open valve, what flows back, an ensemble, rates.
+
+use std::collections::BTreeMap;
+
+use coapt::plan::Criterion;
+use coapt::plan::ensemble::SEALED_BELOW_MM2;
+
+use super::{Closed, Open, Rate, Sampled, Sensitivities};
+use crate::report::{number, reasons, wrapped};
+
+/// All lines of a closed valve, each begun with `indent` blanks.
+pub(super) fn lines(out: &mut String, indent: usize, closed: &Closed) {
+    let start = " ".repeat(indent);
+    let mut line = |text: String| wrapped(out, &start, &text);
+    if closed.solve.certified && closed.measures.orifice.area_mm2 >= SEALED_BELOW_MM2 {
+        let [sharp, rounded] = closed.regurgitant_volume_ml;
+        line(format!(
+            "lets back {} to {} mL a beat, by estimate",
+            number(sharp, 0),
+            number(rounded, 0)
+        ));
+    }
+    closed
+        .diastole
+        .as_ref()
+        .into_iter()
+        .for_each(|it| line(of_open(it)));
+    if let Some(sampled) = &closed.uncertainty {
+        of_sampled(sampled).into_iter().for_each(&mut line);
+    }
+    if let Some(sensitivities) = &closed.sensitivities {
+        of_rates(sensitivities).into_iter().for_each(&mut line);
+    }
+}
+
+fn of_open(open: &Open) -> String {
+    let (Some(openings), Some(_)) = (&open.openings_mm2, open.area_mm2) else {
+        let reasons = reasons(open.status, open.stable, open.crossings);
+        return format!("open valve NOT CERTIFIED: {reasons}");
+    };
+    let areas: Vec<String> = openings.iter().map(|area_mm2| number(*area_mm2, 0)).collect();
+    let openings = match &areas[..] {
+        [] => "no opening".to_owned(),
+        [_] => "1 opening".to_owned(),
+        _ => format!("{} openings of {} mm²", areas.len(), areas.join(", ")),
+    };
+    let gradient = open.mean_gradient_mmhg.map_or(String::new(), |mmhg| {
+        format!("; mean gradient at most {} mmHg", number(mmhg, 1))
+    });
+    format!("open without pressure: {openings}{gradient}")
+}
+
+/// How a criterion is called and written: name, unit as shown, what its value is multiplied by for that, digits.
+fn shown(criterion: Criterion) -> (&'static str, &'static str, f64, usize) {
+    match criterion {
+        Criterion::Orifice => ("orifice", "mm²", 1.0, 1),
+        Criterion::CoaptationLengthA2P2 => ("coaptation at A2-P2", "mm", 1.0, 2),
+        Criterion::CoaptationLength => ("mean coaptation", "mm", 1.0, 2),
+        Criterion::ChordForce => ("largest chord tension", "N", 1.0, 2),
+        Criterion::Strain => ("strain", "%", 100.0, 1),
+        Criterion::DiastolicOrifice => ("orifice without pressure", "mm²", 1.0, 0),
+    }
+}
+
+/// What a surgeon reads: how often it seals, then medians and where nine of ten lie.
+fn of_sampled(sampled: &Sampled) -> Vec<String> {
+    let Sampled {
+        samples,
+        certified,
+        refused,
+        ..
+    } = sampled;
+    let mut lines = Vec::new();
+    let percent = |part: f64| number(100.0 * part, 0);
+    let Some(sealed) = sampled.sealed else {
+        return vec![format!(
+            "none of {samples} valves like this one closed with a certificate"
+        )];
+    };
+    lines.push(format!(
+        "seals in {} % of {certified} valves like this one ({} to {} %)",
+        percent(sealed.estimate),
+        percent(sealed.low),
+        percent(sealed.high)
+    ));
+    let ranges = Criterion::ALL.into_iter().filter_map(|criterion| {
+        let interval = sampled.intervals.get(criterion.name())?;
+        let (name, unit, scale, digits) = shown(criterion);
+        let at = |value: f64| number(scale * value, digits.min(1));
+        Some(format!(
+            "{name} {} ({} to {}) {unit}",
+            at(interval.median),
+            at(interval.low),
+            at(interval.high)
+        ))
+    });
+    let ranges: Vec<String> = ranges.collect();
+    lines.push(format!("median (nine of ten): {}", ranges.join(", ")));
+    let lost = samples - certified - refused;
+    if lost + refused > 0 {
+        lines.push(format!(
+            "of {samples} valves {lost} closed without a certificate and {refused} could not be repaired: they are not counted"
+        ));
+    }
+    lines
+}
+
+fn of_rates(sensitivities: &Sensitivities) -> Vec<String> {
+    sensitivities
+        .iter()
+        .map(|(key, rate)| of_rate(key, rate))
+        .collect()
+}
+
+fn of_rate(key: &str, rate: &Rate) -> String {
+    let (per, step) = match key {
+        coapt::plan::CHORD_SCALE => ("per 1 % of length of all chordae".to_owned(), 0.01),
+        _ => match unit_of(key) {
+            Some((name, unit)) => (format!("per {unit} of {name}"), 1.0),
+            None => (format!("per 0.1 of {key}"), 0.1),
+        },
+    };
+    match &rate.missing {
+        Some(missing) => format!("{per}: no rates, {missing}"),
+        None => format!("{per}: {}", changes(&rate.per_unit, step)),
+    }
+}
+
+/// `repair[0].size_mm` is `repair[0].size` in mm.
+fn unit_of(key: &str) -> Option<(&str, &'static str)> {
+    let units = [("_mm", "mm"), ("_deg", "degree"), ("_n", "N")];
+    units
+        .into_iter()
+        .find_map(|(end, unit)| Some((key.strip_suffix(end)?, unit)))
+}
+
+fn changes(per_unit: &BTreeMap<&str, f64>, step: f64) -> String {
+    let told = Criterion::ALL.into_iter().filter_map(|criterion| {
+        let (name, unit, scale, digits) = shown(criterion);
+        let change = number(scale * step * per_unit.get(criterion.name())?, digits);
+        let sign = match change.starts_with('-') || change.chars().all(|it| matches!(it, '0' | '.')) {
+            true => "",
+            false => "+",
+        };
+        Some(format!("{name} {sign}{change} {unit}"))
+    });
+    told.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,238 @@
+//! What is told of open valves, ensembles, rates and searches.
+
+use coapt::plan::ensemble::Probability;
+use coapt::plan::{CHORD_SCALE, Rates, Sampling, summaries};
+
+use super::*;
+
+/// The open valve has a column, its openings and gradient a line, CSV and JSON its numbers; what is not certified has none.
+#[test]
+fn the_open_valve_is_told_where_it_is_certified() {
+    let mut compared = compared_with(&format!("diastole = true\n{PLAN}"), true);
+    let report = report(&compared);
+    let told = text(&report);
+    for words in [
+        "open orifice",
+        "      open without pressure: 1 opening; mean gradient at most ",
+        "in steps of 15 mm²",
+        "they compare repairs, and are no mitral valve area",
+    ] {
+        assert!(
+            told.split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" ")
+                .contains(words.trim()),
+            "{words}: {told}"
+        );
+    }
+    assert!(told.lines().all(|line| line.chars().count() <= 100), "{told}");
+    let json: serde_json::Value = serde_json::from_str(&report.json().unwrap()).unwrap();
+    let area = json["before"]["diastole"]["area_mm2"].as_f64().unwrap();
+    let head = csv(&report).lines().next().unwrap().to_owned();
+    for column in [
+        "diastole.area_mm2",
+        "diastole.openings_mm2.0",
+        "diastole.mean_gradient_mmhg",
+        "regurgitant_volume_ml.1",
+    ] {
+        assert!(head.split(',').any(|it| it == column), "{column}: {head}");
+    }
+    assert!(long_csv(&report).contains(&format!(",Orifice area without pressure,{area}\n")));
+    let open = compared.comparison.rows[0]
+        .result
+        .as_mut()
+        .unwrap()
+        .diastole
+        .as_mut()
+        .unwrap();
+    (open.status, open.orifice, open.mean_gradient_mmhg) = (Status::Stalled, None, None);
+    let lost = self::report(&compared);
+    assert!(!lost.certified());
+    let told = text(&lost);
+    assert!(
+        told.contains("      open valve NOT CERTIFIED: the solver made no progress any more\n"),
+        "{told}"
+    );
+    assert_eq!(
+        serde_json::to_value(&lost).unwrap()["alternatives"][0]["diastole"].get("area_mm2"),
+        None
+    );
+}
+
+/// Before and the best have an ensemble, in words, in JSON and in CSV; what is not counted is told.
+#[test]
+fn ensembles_are_told_as_a_surgeon_reads_them() {
+    let compared = compared();
+    let sampling = Sampling {
+        samples: 4,
+        alternatives: 1,
+        ..Sampling::default()
+    };
+    let look = |_: &coapt::plan::Progress| std::ops::ControlFlow::Continue(());
+    let (alternatives, comparison) = (&compared.plan.alternatives, &compared.comparison);
+    let found = summaries(&compared.model, alternatives, comparison, &sampling, &look);
+    let mut report = report(&compared).with_ensembles(&found);
+    assert!(
+        report.alternatives[0]
+            .closed
+            .as_ref()
+            .unwrap()
+            .uncertainty
+            .is_some()
+    );
+    assert!(
+        report.alternatives[1]
+            .closed
+            .as_ref()
+            .unwrap()
+            .uncertainty
+            .is_none()
+    );
+    let json = serde_json::to_value(&report).unwrap();
+    let sampled = &json["before"]["uncertainty"];
+    assert!(
+        sampled["orifice"]["median"].is_number() && sampled["samples"] == 4,
+        "{sampled}"
+    );
+    let head = csv(&report).lines().next().unwrap().to_owned();
+    assert!(
+        head.contains(",uncertainty.coaptation_length_a2p2.low,")
+            && head.contains(",uncertainty.sealed.estimate,")
+    );
+    let sampled = report.before.uncertainty.as_mut().unwrap();
+    (sampled.samples, sampled.certified, sampled.refused) = (200, 190, 3);
+    sampled.sealed = Some(Probability {
+        estimate: 0.93,
+        low: 0.884,
+        high: 0.957,
+    });
+    let told = text(&report);
+    assert!(
+        told.contains("      seals in 93 % of 190 valves like this one (88 to 96 %)\n"),
+        "{told}"
+    );
+    assert!(told.contains("      median (nine of ten): orifice "), "{told}");
+    assert!(
+        told.contains(
+            "of 200 valves 7 closed without a certificate and 3 could not be repaired: they are not counted"
+        ),
+        "{told}"
+    );
+    let sampled = report.before.uncertainty.as_mut().unwrap();
+    (sampled.certified, sampled.sealed) = (0, None);
+    assert!(text(&report).contains("none of 200 valves like this one closed with a certificate"));
+}
+
+#[test]
+fn rates_are_told_per_unit_of_each_number() {
+    let compared = compared();
+    let of = |row: &coapt::plan::Row| {
+        let outcome = row.result.as_ref().ok()?;
+        Some(rates_of(
+            &compared.model,
+            &compared.plan.alternatives[row.alternative].repairs,
+            outcome,
+        ))
+    };
+    let rows: Vec<_> = compared.comparison.rows.iter().map(of).collect();
+    let before = Ok(vec![Rates {
+        key: CHORD_SCALE.into(),
+        value: 1.0,
+        rates: Err(vec![Fault::error("closure", "is not in a stable balance")]),
+    }]);
+    let report = report(&compared).with_rates(&before, &rows);
+    let best = report.alternatives[0].closed.as_ref().unwrap();
+    let rate = &best.sensitivities.as_ref().unwrap()["repair[0].size_mm"];
+    assert_eq!(rate.value, 28.0);
+    let told = text(&report);
+    let length = rate.per_unit["coaptation_length_a2p2"];
+    let words = format!("coaptation at A2-P2 {length:+.2} mm");
+    assert!(
+        told.contains("      per mm of repair[0].size: orifice ") && told.contains(&words),
+        "{words}: {told}"
+    );
+    assert!(
+        told.contains("      per 1 % of length of all chordae: "),
+        "{told}"
+    );
+    assert!(
+        told.contains(
+            "      per 1 % of length of all chordae: no rates, closure is not in a stable balance\n"
+        ),
+        "{told}"
+    );
+    let head = csv(&report).lines().next().unwrap().to_owned();
+    assert!(
+        head.contains(",sensitivities.repair[0].size_mm.coaptation_length_a2p2,"),
+        "{head}"
+    );
+}
+
+/// A criterion and a path mean the same measure; more and less are both sought; what there is not is told with what was meant.
+#[test]
+fn goals_are_reached_and_told() {
+    let goal = |measure: &str, bound: &str| {
+        format!(
+            "{}[search]\nalternative = 0\nkey = \"size_mm\"\nfrom = 36\nto = 26\ntolerance = 0.1\nmeasure = \"{measure}\"\n{bound}\n",
+            PLAN.replace("[28, 10, 44]", "30")
+        )
+    };
+    let compared = compared();
+    let seek = |text: &str| {
+        let (plan, _) = alternatives_from_text(Path::new("plan.toml"), text, 10).unwrap();
+        found(&compared.model, &plan.asked.search.unwrap(), &|_| {
+            std::ops::ControlFlow::Continue(())
+        })
+    };
+    let by_path = seek(&goal("coaptation/length_a2p2_mm", "at_least = 5")).unwrap();
+    let by_name = seek(&goal("coaptation_length_a2p2", "at_least = 5")).unwrap();
+    assert_eq!(by_path.tried, by_name.tried);
+    let answer = by_path.answer.unwrap();
+    assert!(answer.certified && answer.measured >= 5.0 && by_path.repairs.len() == 1);
+    let ring = serde_json::to_value(&by_path.repairs[0]).unwrap();
+    assert_eq!(ring["size_mm"].as_f64(), Some(answer.value));
+    let mut report = report(&compared);
+    report.search = Some(by_path);
+    let told = text(&report);
+    let start = format!(
+        "search: the first `size_mm` of alternative[0].repair[0] from 36 to 26 that gives coaptation/length_a2p2_mm of 5 or more is {:.3}",
+        answer.value
+    );
+    let flat = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(flat.contains(&start) && told.contains("  the answer\n"), "{told}");
+    let less = seek(&goal("annulus.ap_mm", "at_most = 26")).unwrap();
+    let answer = less.answer.unwrap();
+    assert!(answer.measured <= 26.0 && answer.measured > 25.0, "{less:?}");
+    let never = seek(&goal("orifice", "at_most = -1")).unwrap();
+    assert_eq!((never.answer, never.repairs.len()), (None, 0));
+    report.search = Some(never);
+    let told = text(&report);
+    let flat = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        flat.contains("that was tried gives orifice of -1 or less"),
+        "{told}"
+    );
+    let faults = seek(&goal("coaptation/length_a2p2", "at_least = 5")).unwrap_err();
+    assert_eq!(
+        sentence(&faults[0]),
+        "search.measure is `coaptation/length_a2p2`, which is not measured; did you mean `coaptation.length_a2p2_mm`?"
+    );
+    let faults = seek(&goal("orifice", "at_most = 8").replace("to = 26", "to = 6")).unwrap_err();
+    assert!(
+        faults[0].place.starts_with("alternative[0].repair[0]")
+            && faults[0].message.ends_with("(at size_mm = 21)"),
+        "{faults:?}"
+    );
+}
+
+/// Published limits are information beside the figure that they are about.
+#[test]
+fn limits_of_the_anatomy_are_told_of_the_valve_before() {
+    let report = report(&compared());
+    let limit = &report.anatomic_limits[0];
+    assert_eq!(limit.value, report.before.measures.coaptation.length_a2p2_mm);
+    assert!(
+        text(&report)
+            .contains("anatomy: for edge-to-edge repair EACVI asks for a coaptation length of 2 mm or more")
+    );
+}
