@@ -3,6 +3,7 @@
 //! A line is where a number given at every vertex passes zero, running linearly within faces. Vertices near a line are first
 //! moved onto it along their edges, so that no slivers arise: a face's height over an edge shrinks by [`SNAP`] at most.
 
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::Vec3;
@@ -56,7 +57,8 @@ pub(super) fn incise_along(mesh: &mut Mesh, fields: &mut Fields, fixed: &[bool],
 /// How a line crosses an edge, as share of the edge from its first end, and the largest of the other fields there.
 fn crossing(fields: &Fields, line: usize, [a, b]: [u32; 2]) -> Option<(f64, f64)> {
     let [fa, fb] = [a, b].map(|v| fields[line][v as usize]);
-    if !(fa * fb < 0.0) {
+    // Not a number on either end is no crossing.
+    if (fa * fb).partial_cmp(&0.0) != Some(Ordering::Less) {
         return None;
     }
     let share = fa / (fa - fb);

@@ -85,8 +85,12 @@ fn resected(model: &Model, deed: &Resect) -> Result<Repaired, Fault> {
     let piece = piece(model, deed)?;
     let cut = chords_in_piece(model, &piece.fields, deed.cut_chords)?;
     let without_chords = without(model, &cut);
-    let (mut after, area_mm2, ends) = excised(&without_chords, &piece)?;
-    let seam = seam(&after, &ends)?;
+    let Excised {
+        model: mut after,
+        area_mm2,
+        edge,
+    } = excised(&without_chords, &piece)?;
+    let seam = seam(&after, &edge)?;
     let annulus_mm = match deed.shape {
         ResectionShape::Triangular => None,
         ResectionShape::Quadrangular => Some(plicate(&mut after, piece.hinges_mm, "resect.width_mm")?),
@@ -276,8 +280,16 @@ fn hanging_together(faces: &[[u32; 3]], number: impl Fn(&[u32; 3]) -> f64) -> Ve
         .collect()
 }
 
-/// The model without the piece, the piece's area, and the vertices along the edges of the gap: `true` at the corners.
-fn excised(model: &Model, piece: &Piece) -> Result<(Model, f64, Vec<(u32, bool)>), Fault> {
+/// A model without a piece.
+struct Excised {
+    model: Model,
+    /// Area of the piece [mm²].
+    area_mm2: f64,
+    /// Vertices along the edges of the gap, each with whether it is a corner.
+    edge: Vec<(u32, bool)>,
+}
+
+fn excised(model: &Model, piece: &Piece) -> Result<Excised, Fault> {
     let mut mesh = Mesh::of(model);
     let mut fields = piece.fields.clone();
     let fixed = fixed(model, piece.leaflet);
@@ -315,7 +327,11 @@ fn excised(model: &Model, piece: &Piece) -> Result<(Model, f64, Vec<(u32, bool)>
     let is_corner = |v: u32| fields.iter().filter(|field| field[v as usize] == 0.0).count() > 1;
     let edge = of_piece.iter().filter(|&&v| numbers[v as usize] != GONE);
     let edge = edge.map(|&v| (numbers[v as usize], is_corner(v))).collect();
-    Ok((after, area_mm2, edge))
+    Ok(Excised {
+        model: after,
+        area_mm2,
+        edge,
+    })
 }
 
 /// Which vertices a cut must neither move nor take: what is held, and what other leaflets have too.
