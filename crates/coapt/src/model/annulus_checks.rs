@@ -145,6 +145,7 @@ pub(crate) fn tell_holes(surface: &Surface, found: &Found, loops: &[Chain], faul
 mod tests {
     use super::super::fixtures::{ROWS, built, faults, lines, mesh, skirt, skirt_point, told};
 
+    /// One in centimetres; the posterior leaflet is 1.2 times as large as the anterior one.
     #[test]
     fn leaflets_in_two_units_are_told() {
         let mut scene = skirt();
@@ -153,7 +154,7 @@ mod tests {
         assert!(told(
             &faults(&scene),
             "leaflets",
-            "one is 10 times as large as the other: check their units"
+            "one is 12 times as large as the other: check their units"
         ));
     }
 
