@@ -308,7 +308,7 @@ fn a_file_in_place_of_a_folder_is_told() {
     let output = coapt(&["closure", "healthy", "--out", &file]);
     assert_eq!(output.status.code(), Some(1));
     assert!(
-        stderr(&output).contains("taken: is a file; expected a folder to write to"),
+        stderr(&output).contains("taken is a file; expected a folder to write to"),
         "{}",
         stderr(&output)
     );

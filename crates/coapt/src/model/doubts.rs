@@ -66,7 +66,7 @@ fn contact(scene: &Scene, faults: &mut Faults) {
         .map(|leaflet| leaflet.thickness_mm)
         .fold(0.0, f64::max);
     let given = scene.contact.thickness_mm;
-    if given > CONTACT_THICKNESSES * thickest && scene.contact.is_on() {
+    if thickest > 0.0 && given > CONTACT_THICKNESSES * thickest && scene.contact.is_on() {
         let message = format!(
             "is {} mm where leaflets are {} mm thick; they would stop so far from each other",
             Readable(given),
