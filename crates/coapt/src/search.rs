@@ -129,7 +129,12 @@ pub fn search_watched<F: Fn(&Measures) -> f64 + Sync>(
         while let Some(short) = &poor
             && (good.value - short.value).abs() > goal.tolerance
         {
-            let next = attempt(guess(goal, &model_at, [short, &good], tried.len()))?;
+            let value = guess(goal, &model_at, [short, &good], tried.len());
+            // A tolerance below what numbers can tell apart.
+            if value == short.value || value == good.value {
+                break;
+            }
+            let next = attempt(value)?;
             tried.push(next.tried());
             if reaches(&next) {
                 good = next;

@@ -3,15 +3,12 @@
 use std::fmt::Write;
 
 use coapt::relax::Status;
-use coapt::scene::Readable;
+use coapt::scene::{Readable, Settings};
 
 use super::repairs::repair_line;
 use super::rows::{Row, groups};
 use super::{Report, Solve, UntangledReport};
 use crate::escape::escaped;
-
-/// Residuals up to this one are what is meant where nothing else is said [1].
-const DEFAULT_TOLERANCE: f64 = 1e-6;
 
 /// Longest line.
 pub(crate) const WIDTH: usize = 100;
@@ -73,7 +70,7 @@ pub fn text(report: &Report) -> String {
 /// Two lines on how far a result can be trusted.
 fn certificate(out: &mut String, name: &str, solve: &Solve) {
     let verdict = match verdict(solve) {
-        None if solve.residual > DEFAULT_TOLERANCE => format!(
+        None if solve.residual > Settings::default().residual_tolerance => format!(
             "CERTIFIED, but only to a residual of {:.0e} that the scene allows (converged, stable, no surfaces cross)",
             solve.residual
         ),

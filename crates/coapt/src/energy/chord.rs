@@ -40,6 +40,15 @@ impl Chords {
             .collect()
     }
 
+    /// The same chordae with the unloaded lengths of each group multiplied by its factor [1], shape `[group]`.
+    pub fn scaled(&self, factor: &[f64]) -> Self {
+        let mut scaled = self.clone();
+        for (length_mm, &group) in scaled.rest_length_mm.iter_mut().zip(&self.group) {
+            *length_mm *= factor[group as usize];
+        }
+        scaled
+    }
+
     /// Where a chord point is [mm].
     pub fn point_mm(&self, point: u32, positions_mm: &[Vec3]) -> Vec3 {
         let vertices = &self.points[point as usize];

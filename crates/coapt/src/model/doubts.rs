@@ -24,8 +24,8 @@ const CHORD_MPA: RangeInclusive<f64> = 0.1..=1000.0;
 const CHORD_TOE_MPA: RangeInclusive<f64> = 1e-2..=1000.0;
 /// Leaflets are half a millimetre to three thick, chordae as much; a decade about them (our choice).
 const THIN_MM: RangeInclusive<f64> = 0.05..=10.0;
-/// Pressures above this are taken but doubted [mmHg]: no human ventricle has been measured there; and those below, which no ventricle
-/// that keeps a human alive stays under: 13 mmHg are kilopascals. None at all is no mistake of units.
+/// Pressures above this are taken but doubted [mmHg]: no human ventricle has been measured there; and those below, which no
+/// living ventricle stays under at its peak (our choice): 13 mmHg are kilopascals. None at all is no mistake of units.
 const DOUBTFUL_PRESSURE_MMHG: [f64; 2] = [30.0, 400.0];
 /// Strain at which tissue stiffens [1]: 0.05 to 0.6 in valves; 25 is per cent (our choice).
 const TRANSITION_STRAIN: RangeInclusive<f64> = 1e-3..=2.0;

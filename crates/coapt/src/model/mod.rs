@@ -118,6 +118,22 @@ pub enum ChordKind {
     Suture,
 }
 
+impl Model {
+    /// Where a vertex is when the valve is closed, if it is held, else when it is open [mm].
+    pub fn target_mm(&self, vertex: u32) -> Vec3 {
+        let held = self.prescribed.binary_search_by_key(&vertex, |held| held.vertex);
+        held.map_or(self.rest_mm[vertex as usize], |found| {
+            self.prescribed[found].target_mm
+        })
+    }
+
+    /// Where a held vertex is when the valve is closed [mm]; none for a free one.
+    pub fn target_mut(&mut self, vertex: u32) -> Option<&mut Vec3> {
+        let held = self.prescribed.binary_search_by_key(&vertex, |held| held.vertex);
+        held.ok().map(|found| &mut self.prescribed[found].target_mm)
+    }
+}
+
 /// What a leaflet is made of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafletTissue {

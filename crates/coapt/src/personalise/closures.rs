@@ -98,10 +98,8 @@ impl<'a> Closures<'a> {
 
 /// The valve with the rest lengths of each chord group multiplied.
 fn scaled(model: &Model, scale: &[f64]) -> Model {
-    let mut scaled = model.clone();
-    let chords = &mut scaled.chords;
-    for (length_mm, &group) in chords.rest_length_mm.iter_mut().zip(&chords.group) {
-        *length_mm *= scale[group as usize];
+    Model {
+        chords: model.chords.scaled(scale),
+        ..model.clone()
     }
-    scaled
 }

@@ -9,6 +9,7 @@ use super::{Outcome, Refusal, Settings, Watch, apply_all, closed};
 use crate::Vec3;
 use crate::measure::Measures;
 use crate::measure::statistics::percentile;
+use crate::mesh::polyline;
 use crate::model::Model;
 use crate::scene::{Fault, Repair};
 use crate::state::State;
@@ -227,13 +228,12 @@ fn move_annulus(model: &mut Model, deviation_mm: f64, normal: &mut Normal) {
         .map(|_| [normal.vector(), normal.vector()])
         .collect();
     let annulus = model.annulus.clone();
-    let mut along_mm = vec![0.0];
-    for (index, &vertex) in annulus.iter().enumerate() {
-        let next = annulus[(index + 1) % annulus.len()];
-        let side_mm = (model.rest_mm[next as usize] - model.rest_mm[vertex as usize]).norm();
-        along_mm.push(along_mm[index] + side_mm);
-    }
-    let length_mm = along_mm[annulus.len()];
+    let curve_mm: Vec<Vec3> = annulus
+        .iter()
+        .map(|&vertex| model.rest_mm[vertex as usize])
+        .collect();
+    let along_mm = polyline::arc_lengths(&curve_mm, true);
+    let length_mm = along_mm.last().copied().unwrap_or_default();
     for (&vertex, along) in annulus.iter().zip(&along_mm) {
         let angle = std::f64::consts::TAU * along / length_mm;
         let wave = |(harmonic, [cosine, sine]): (usize, &[Vec3; 2])| {
@@ -246,8 +246,8 @@ fn move_annulus(model: &mut Model, deviation_mm: f64, normal: &mut Normal) {
 }
 
 fn move_target(model: &mut Model, vertex: u32, shift_mm: Vec3) {
-    if let Ok(found) = model.prescribed.binary_search_by_key(&vertex, |held| held.vertex) {
-        model.prescribed[found].target_mm += shift_mm;
+    if let Some(target) = model.target_mut(vertex) {
+        *target += shift_mm;
     }
 }
 

@@ -1,7 +1,7 @@
 //! How fast the measures of an alternative change with the numbers in its repairs.
 
 use super::{Criterion, Outcome, apply_all};
-use crate::model::Model;
+use crate::model::{ChordGroup, ChordKind, Model};
 use crate::relax::Equilibrium;
 use crate::scene::{Fault, Repair};
 use crate::sensitivity::{Parameter, sensitivity};
@@ -104,12 +104,15 @@ fn criteria_rates(
     Ok(Criterion::ALL.into_iter().filter_map(rate).collect())
 }
 
+/// The valve with all chordae so many times as long; sutures are none.
 fn scaled(model: &Model, scale: f64) -> Model {
-    let mut model = model.clone();
-    model
-        .chords
-        .rest_length_mm
-        .iter_mut()
-        .for_each(|length_mm| *length_mm *= scale);
-    model
+    let factor = |group: &ChordGroup| match group.kind {
+        ChordKind::Suture => 1.0,
+        ChordKind::Chorda | ChordKind::Neochorda => scale,
+    };
+    let factors: Vec<f64> = model.chord_groups.iter().map(factor).collect();
+    Model {
+        chords: model.chords.scaled(&factors),
+        ..model.clone()
+    }
 }

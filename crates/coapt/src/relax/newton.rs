@@ -62,9 +62,9 @@ const ESCAPE_LIMIT: u32 = 30;
 const IDLE_LIMIT: u32 = 3;
 /// Steps of a walk to a given shape: at the longest step a valve's radius.
 const WALK_STEPS: u32 = 40;
-/// A valve whose tissue bears the load does not come to so many radii from its middle [1]. Spheres blown up past their limit point, the
-/// widest shapes with a known balance here, come to three; without a bound, valves too weak for their pressure grew to metres, where
-/// faces as long as the valve once was passed through each other. Our choice.
+/// A valve whose tissue bears the load does not come to so many radii from its middle [1], our choice: shapes with a known balance, caps
+/// blown up to a stretch of four among them, stay within. Without a bound, valves too weak for their pressure grew to metres, and
+/// their surfaces crossed.
 const BURST_RADII: f64 = 5.0;
 /// Steps in a row without progress before the solver says so.
 const STALL_LIMIT: u32 = 60;

@@ -191,13 +191,3 @@ pub(super) fn muscle_named(model: &Model, name: &str, place: &str) -> Result<usi
         )
     })
 }
-
-/// Where a vertex is when the valve is closed, if it is held, else when it is open [mm].
-pub(super) fn target_mm(model: &Model, vertex: u32) -> Vec3 {
-    let found = model
-        .prescribed
-        .binary_search_by_key(&vertex, |fixed| fixed.vertex);
-    found.map_or(model.rest_mm[vertex as usize], |found| {
-        model.prescribed[found].target_mm
-    })
-}

@@ -1,6 +1,6 @@
 //! Artificial chordae: threads from a papillary tip to a leaflet, which hold it back.
 
-use super::chord_ends::{LeafletPlace, Tip, insertions, target_mm, tip};
+use super::chord_ends::{LeafletPlace, Tip, insertions, tip};
 use super::closure_line::closing_place_mm;
 use super::rods::{Rod, place_mm, string};
 use crate::Vec3;
@@ -179,7 +179,7 @@ fn doubt(length_mm: f64) -> Fault {
 /// From where the tip is when the valve is closed to where the insertion is to be.
 fn estimated_mm(model: &Model, tip: Tip, share: f64, depth_mm: f64) -> Result<f64, Fault> {
     let there = closing_place_mm(model, share, depth_mm, "neochord.depth_mm")?;
-    Ok((there - target_mm(model, tip.vertex)).norm())
+    Ok((there - model.target_mm(tip.vertex)).norm())
 }
 
 /// Lengths are given to the insertion; the chord pulls at the middle of its patch, as the patient's own.

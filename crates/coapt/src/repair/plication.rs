@@ -67,12 +67,9 @@ pub(super) fn plicate(model: &mut Model, ends_mm: [Vec3; 2], place: &str) -> Res
 
 /// Sets where annulus points end up, shape `[annulus vertex]`.
 fn set_targets(model: &mut Model, targets_mm: &[Vec3]) {
-    for (vertex, &target_mm) in model.annulus.iter().zip(targets_mm) {
-        if let Ok(found) = model
-            .prescribed
-            .binary_search_by_key(vertex, |fixed| fixed.vertex)
-        {
-            model.prescribed[found].target_mm = target_mm;
+    for (index, &target_mm) in targets_mm.iter().enumerate() {
+        if let Some(target) = model.target_mut(model.annulus[index]) {
+            *target = target_mm;
         }
     }
 }

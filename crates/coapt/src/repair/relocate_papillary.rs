@@ -1,6 +1,6 @@
 //! A papillary muscle drawn elsewhere, as by a stitch to the annulus: only where its tips end up changes.
 
-use super::chord_ends::{muscle_named, target_mm};
+use super::chord_ends::muscle_named;
 use super::ring::annulus_targets;
 use crate::Vec3;
 use crate::model::Model;
@@ -36,7 +36,7 @@ fn relocated(model: &Model, relocation: &RelocatePapillary) -> Result<Repaired, 
         let message = format!("is `{}`, which has no tips", muscle.name);
         return Err(Fault::error("relocate-papillary.muscle", message));
     }
-    let tips = muscle.tips.iter().map(|&tip| target_mm(model, tip));
+    let tips = muscle.tips.iter().map(|&tip| model.target_mm(tip));
     let middle = tips.sum::<Vec3>() / muscle.tips.len() as f64;
     let by = motion(model, relocation, middle)?;
     let mut moved = model.clone();

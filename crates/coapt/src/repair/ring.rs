@@ -85,11 +85,11 @@ pub fn implant(model: &Model, ring: &Ring) -> Result<Repaired, Vec<Fault>> {
 
 /// Where the annulus is when the valve is closed [mm], shape `[annulus vertex]`.
 pub(super) fn annulus_targets(model: &Model) -> Vec<Vec3> {
-    let target = |&vertex: &u32| match model.prescribed.binary_search_by_key(&vertex, |p| p.vertex) {
-        Ok(found) => model.prescribed[found].target_mm,
-        Err(_) => model.rest_mm[vertex as usize],
-    };
-    model.annulus.iter().map(target).collect()
+    model
+        .annulus
+        .iter()
+        .map(|&vertex| model.target_mm(vertex))
+        .collect()
 }
 
 fn report(ring: &Ring, annulus: &AnnulusCurve, laid: &Laid) -> RingReport {
@@ -186,9 +186,8 @@ fn judge(
 fn with_targets(model: &Model, annulus: &AnnulusCurve, moved: &[Vec3]) -> Model {
     let mut model = model.clone();
     for (&index, &target_mm) in annulus.order.iter().zip(moved) {
-        let vertex = model.annulus[index];
-        if let Ok(found) = model.prescribed.binary_search_by_key(&vertex, |p| p.vertex) {
-            model.prescribed[found].target_mm = target_mm;
+        if let Some(target) = model.target_mut(model.annulus[index]) {
+            *target = target_mm;
         }
     }
     model
