@@ -258,3 +258,12 @@ def test_lines_named_for_a_state_belong_to_it(tmp_path):
     valves = pictures.read_valves([tmp_path])
     found = [(valve.title, [data.points[1, 2] for data in valve.chords]) for valve in valves]
     assert found == [("open", [-1.0]), ("closed", [-2.0]), ("after", [-3.0]), ("x", [-4.0])]
+
+
+def test_files_of_one_name_are_told_apart_by_their_folders(tmp_path):
+    for folder in ("before", "after"):
+        (tmp_path / folder).mkdir()
+        square(tmp_path / folder / "closed.vtp")
+    square(tmp_path / "open.vtp")
+    valves = pictures.read_valves([tmp_path / f"{name}.vtp" for name in ("open", "before/closed", "after/closed")])
+    assert [valve.title for valve in valves] == ["open", "before: closed", "after: closed"]

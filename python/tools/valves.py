@@ -97,6 +97,16 @@ def read_valves(paths: list[Path]) -> list[Valve]:
                 valves[-1].chords.append(data)
     if not valves:
         raise InputFault("no surface in the files given")
+    return told_apart(valves)
+
+
+def told_apart(valves: list[Valve]) -> list[Valve]:
+    """`before/closed.vtp` and `after/closed.vtp` are `closed` both: where files have one name, their folder's goes before it."""
+    titles = [valve.title for valve in valves]
+    for valve, title in zip(valves, titles):
+        folder = Path(valve.surface.path).parent.name
+        if titles.count(title) > 1 and folder:
+            valve.title = f"{folder}: {title}"
     return valves
 
 
