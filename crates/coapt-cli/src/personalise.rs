@@ -234,7 +234,7 @@ fn write(
     let closure = told.fit.tuned.as_ref().map(closed);
     let mut batch = Batch::default();
     stage(&mut batch, folder, scene, told, closure.as_ref())
-        .and_then(|()| batch.finish())
+        .and_then(|()| batch.finish_listed(folder))
         .map_err(Failure::Outside)
 }
 
