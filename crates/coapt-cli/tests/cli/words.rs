@@ -85,6 +85,14 @@ fn a_wrong_setting_says_what_it_is_and_what_is_expected() {
             "`face_count_target` is `nan`, expected a whole number, 0 or above, such as ",
         ),
         ("faces=1e12", "is `1e12`, expected at most 4294967295, such as "),
+        (
+            "faces=",
+            "`face_count_target` has no value, expected a whole number, 0 or above, such as ",
+        ),
+        (
+            "annulus.transverse_mm= ",
+            "`annulus.transverse_mm` has no value, expected a number, such as ",
+        ),
         // Edges of the usual number of faces are some millimetre long.
         ("jitter_mm=3", "jitter_mm is 3; expected a number from 0 to 0."),
         ("faces=many", "is `many`, expected a whole number, 0 or above"),
