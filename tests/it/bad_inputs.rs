@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use coapt::model::{Built, Model};
+use coapt::plan::apply_all;
 use coapt::relax::relax;
-use coapt::repair;
 use coapt::scene::{Fault, Severity};
 use coapt::state::State;
 use coapt_io::scene::{located, plan_from_text, read_text, scene_from_text, sentence};
@@ -50,23 +50,27 @@ fn plan(path: &Path, good: &Model) -> (Vec<Fault>, Option<Model>) {
         Ok(read) => read,
         Err(faults) => return (faults, None),
     };
-    let mut model = good.clone();
-    for (number, deed) in plan.repair.iter().enumerate() {
-        let (more, repaired) = match repair::apply(&model, deed) {
-            Ok(repaired) => (repaired.warnings, Some(repaired.model)),
-            Err(faults) => (faults, None),
+    let in_plan = |number: usize, fault: &Fault| {
+        let key = fault.place.strip_prefix("ring").unwrap_or("").to_owned();
+        let place = format!("repair[{number}]{key}");
+        let fault = Fault {
+            place,
+            ..fault.clone()
         };
-        faults.extend(more.into_iter().map(|fault| {
-            let key = fault.place.strip_prefix("ring").unwrap_or("").to_owned();
-            let place = format!("repair[{number}]{key}");
-            located(&path.display().to_string(), &text, &Fault { place, ..fault })
-        }));
-        match repaired {
-            Some(repaired) => model = repaired,
-            None => return (faults, None),
+        located(&path.display().to_string(), &text, &fault)
+    };
+    match apply_all(good, &plan.repair) {
+        Ok(applied) => {
+            let doubts = applied.warnings.iter();
+            faults.extend(doubts.map(|(number, fault)| in_plan(*number, fault)));
+            (faults, Some(applied.model))
+        }
+        Err(refusal) => {
+            let told = refusal.faults.iter();
+            faults.extend(told.map(|fault| in_plan(refusal.repair, fault)));
+            (faults, None)
         }
     }
-    (faults, Some(model))
 }
 
 /// A valve that is accepted, with warnings or without, must not bring the solver down either, and is certified unless

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, value_parser};
 use coapt::mesh::parametric::{self, Preset, ValveParameters};
 use coapt::model::{Built, Model};
 use coapt::scene::{Fault, Scene, Severity};
@@ -17,7 +17,7 @@ pub(crate) const FACES_OF_A_PRESET: u32 = 650;
 pub(crate) struct SizeLimit {
     /// Refuse valves of more triangles, with an estimate of what closing them would cost [default: what the scene says,
     /// usually 250000]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
     max_faces: Option<u32>,
 }
 

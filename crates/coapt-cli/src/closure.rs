@@ -154,6 +154,7 @@ fn close(built: Built, planned: Option<&Planned>) -> Result<Closure, Failure> {
         model,
         mut warnings,
         untangled,
+        chordae_left_out,
     } = built;
     let Some(planned) = planned else {
         return Ok(Closure {
@@ -162,6 +163,7 @@ fn close(built: Built, planned: Option<&Planned>) -> Result<Closure, Failure> {
             repairs: Vec::new(),
             warnings,
             untangled,
+            chordae_left_out,
         });
     };
     warnings.extend(planned.warnings.iter().cloned());
@@ -189,6 +191,7 @@ fn close(built: Built, planned: Option<&Planned>) -> Result<Closure, Failure> {
         repairs,
         warnings,
         untangled,
+        chordae_left_out,
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, value_parser};
 use coapt::Vec3;
 use coapt::measure::compare::CompareSettings;
 use coapt::scene::{Fault, Settings};
@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", default_value = "contact")]
     contact_array: String,
     /// Refuse surfaces of more triangles [default: 250000]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
     max_faces: Option<u32>,
 }
 

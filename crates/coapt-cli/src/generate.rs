@@ -98,6 +98,11 @@ fn set(parameters: &ValveParameters, setting: &str) -> Result<ValveParameters, S
     let mut table = serde_json::to_value(parameters).map_err(|error| error.to_string())?;
     let steps: Vec<&str> = key.split('.').collect();
     let before = table.pointer(&format!("/{}", steps.join("/"))).cloned();
+    if word.is_empty() && !before.as_ref().is_some_and(Value::is_string) {
+        let expected = before.and_then(|before| expected(&before, &value));
+        let expected = expected.unwrap_or_else(|| "KEY=VALUE".to_owned());
+        return Err(format!("`{key}` has no value, expected {expected}"));
+    }
     let value = match before.as_ref().is_some_and(Value::is_u64) {
         true => whole(value),
         false => value,

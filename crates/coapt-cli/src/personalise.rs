@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use clap::{Args, value_parser};
 use coapt::Vec3;
-use coapt::model::{Built, Model, Untangled};
+use coapt::model::{Built, Model};
 use coapt::personalise::{
     ChordFit, FitSettings, FitStatus, Target, TargetDistance, Tried, annulus_closing_to,
     fit_chord_lengths_watched,
@@ -55,15 +55,11 @@ pub(crate) struct Arguments {
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let mut case = case::open(Some(&arguments.scene), arguments.limit)?;
-    let Built {
-        mut model,
-        mut warnings,
-        untangled,
-    } = case::build(&case)?;
-    let target = read_target(&arguments.target, &mut warnings)?;
+    let mut built = case::build(&case)?;
+    let target = read_target(&arguments.target, &mut built.warnings)?;
     if let Some(path) = &arguments.annulus {
-        model = with_annulus(&model, path, &mut warnings)?;
-        move_annulus(&mut case.scene, &model);
+        built.model = with_annulus(&built.model, path, &mut built.warnings)?;
+        move_annulus(&mut case.scene, &built.model);
     }
     let settings = FitSettings {
         per_group: arguments.per_group,
@@ -75,21 +71,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let (fit, wall_ms) = on_threads(arguments.threads, || {
         let start = Instant::now();
         let fit = watching("the fit", |watch| {
-            fit_chord_lengths_watched(&model, &target, &settings, watch)
+            fit_chord_lengths_watched(&built.model, &target, &settings, watch)
         });
         let fit = fit.map_err(|faults| in_files(arguments, faults))?;
         Ok((fit, start.elapsed().as_secs_f64() * 1e3))
     })?;
     let told = Told {
-        case: &model.name,
+        case: &built.model.name,
         per_group: arguments.per_group,
         target: arguments.target.display().to_string(),
         fit: &fit,
         wall_ms,
-        warnings: warnings.iter().map(sentence).collect(),
+        warnings: built.warnings.iter().map(sentence).collect(),
     };
     if let Some(folder) = &arguments.out {
-        write(folder, case.scene, &told, &warnings, untangled)?;
+        write(folder, case.scene, &told, &built)?;
     }
     print(&match arguments.format {
         Format::Text => told.text(),
@@ -216,25 +212,20 @@ fn move_annulus(scene: &mut Scene, model: &Model) {
 }
 
 /// The scene with the fitted factors, the closed valve and the report; without a result the report alone.
-fn write(
-    folder: &Path,
-    scene: Scene,
-    told: &Told,
-    warnings: &[Fault],
-    untangled: Option<Untangled>,
-) -> Result<(), Failure> {
+fn write(folder: &Path, scene: Scene, told: &Told, built: &Built) -> Result<(), Failure> {
     // Closed once more, for the time that one closure takes; it is the fit's, to the last bit.
     let closed = |tuned: &Tried| Closure {
         before: timed("the fitted valve", tuned.model.clone()),
         after: None,
         repairs: Vec::new(),
-        warnings: warnings.to_vec(),
-        untangled: untangled.clone(),
+        warnings: built.warnings.clone(),
+        untangled: built.untangled.clone(),
+        chordae_left_out: built.chordae_left_out.clone(),
     };
     let closure = told.fit.tuned.as_ref().map(closed);
     let mut batch = Batch::default();
     stage(&mut batch, folder, scene, told, closure.as_ref())
-        .and_then(|()| batch.finish())
+        .and_then(|()| batch.finish_listed(folder))
         .map_err(Failure::Outside)
 }
 

@@ -3,8 +3,8 @@
 //! A file is written under another name, `.NAME.PROCESS-COUNT-MACHINE.tmp`, in the folder where it is to be, and renamed when it is
 //! complete. Files that belong together are a [`Batch`]: all are written before the first is renamed, so that whatever may
 //! fail or take time is over by then. A process that is killed between two of the renames leaves some files of each run, each
-//! of them whole. What a killed process leaves under other names is ignored, and removed by a later run that writes the same
-//! names.
+//! of them whole; the list of checksums that comes last ([`Batch::finish_listed`]) then does not fit them. What a killed process
+//! leaves under other names is ignored, and removed by a later run that writes the same names.
 
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
@@ -17,6 +17,11 @@ use std::time::Duration;
 use coapt::scene::Fault;
 
 mod owner;
+mod sha256;
+
+/// The list of a run's files with the checksum of each, in the folder of its results: files that do not fit it are of another
+/// run, or were changed since. `sha256sum --check SHA256SUMS` tells, and other systems have the like.
+pub const LIST: &str = "SHA256SUMS";
 
 /// Files under other names that are older belong to processes that are gone: none takes so long to write a file. Younger
 /// ones go where the process is known to be gone: that cannot be asked of another machine that shares the folder.
@@ -27,6 +32,8 @@ const STALE: Duration = Duration::from_secs(60 * 60);
 pub struct Batch {
     /// What is complete, and where it belongs.
     staged: Vec<[PathBuf; 2]>,
+    /// Checksums of what is staged, shape `[staged]`.
+    checksums: Vec<String>,
     unwanted: Vec<PathBuf>,
 }
 
@@ -46,6 +53,7 @@ impl Batch {
         }
         let (temporary, mut file) = create_beside(path)?;
         self.staged.push([temporary, path.to_owned()]);
+        self.checksums.push(sha256::hexadecimal(bytes));
         file.write_all(bytes)?;
         file.sync_all()
     }
@@ -59,21 +67,57 @@ impl Batch {
     ///
     /// # Errors
     /// What the file system says, with the path that it speaks of. Files before it in the batch are then in their places.
-    pub fn finish(mut self) -> std::result::Result<(), Fault> {
+    pub fn finish(self) -> std::result::Result<(), Fault> {
+        self.put_in_place(None)
+    }
+
+    /// The same, and last of all, once old files are removed too, a [`LIST`] of the batch's files in their common folder. Until
+    /// then the old list, which fits the old files alone, has its place. The same files give the same list.
+    ///
+    /// # Errors
+    /// As [`Self::finish`].
+    pub fn finish_listed(mut self, folder: &Path) -> std::result::Result<(), Fault> {
+        let names = self.staged.iter().map(|[_, path]| {
+            let below = path.strip_prefix(folder).unwrap_or(path).components();
+            let steps: Vec<_> = below.map(|step| step.as_os_str().to_string_lossy()).collect();
+            steps.join("/")
+        });
+        let mut lines: Vec<[String; 2]> = names
+            .zip(self.checksums.iter().cloned())
+            .map(Into::into)
+            .collect();
+        lines.sort_unstable();
+        // Two spaces: as the tools that check it write.
+        let lines = lines
+            .iter()
+            .map(|[name, checksum]| format!("{checksum}  {name}\n"));
+        let list = folder.join(LIST);
+        self.write(&list, lines.collect::<String>().as_bytes())?;
+        self.put_in_place(Some(&list))
+    }
+
+    fn put_in_place(mut self, last: Option<&Path>) -> std::result::Result<(), Fault> {
         let mut register = register();
         register.finished.clear();
-        for [temporary, path] in &self.staged {
+        let mut put = |[temporary, path]: &[PathBuf; 2]| {
             std::fs::rename(temporary, path).map_err(|error| file_fault(path, &error))?;
             register.unfinished.remove(temporary);
             register.finished.push(path.clone());
-        }
-        self.staged.clear();
+            Ok(())
+        };
+        let is_last = |file: &&[PathBuf; 2]| Some(file[1].as_path()) == last;
+        self.staged
+            .iter()
+            .filter(|file| !is_last(file))
+            .try_for_each(&mut put)?;
         for path in &self.unwanted {
             match std::fs::remove_file(path) {
                 Err(error) if error.kind() != ErrorKind::NotFound => return Err(file_fault(path, &error)),
                 _ => {}
             }
         }
+        self.staged.iter().filter(is_last).try_for_each(put)?;
+        self.staged.clear();
         remove_stale(&register.finished);
         Ok(())
     }
@@ -154,7 +198,7 @@ pub fn write_text_atomically(path: &Path, bytes: &[u8]) -> std::result::Result<(
     batch.finish()
 }
 
-/// Writes texts as files of a folder, which is made if need be, in one [`Batch`].
+/// Writes texts as files of a folder, which is made if need be, in one [`Batch`] with its list.
 ///
 /// # Errors
 /// What the file system says, with the path that it speaks of.
@@ -164,7 +208,7 @@ pub fn write_files(folder: &Path, files: &[(&str, String)]) -> std::result::Resu
     for (name, text) in files {
         batch.write(&folder.join(name), text.as_bytes())?;
     }
-    batch.finish()
+    batch.finish_listed(folder)
 }
 
 /// Makes a folder and those above it, if need be.

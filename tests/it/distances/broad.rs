@@ -6,6 +6,7 @@ use coapt_tests::Random;
 use std::collections::BTreeSet;
 
 use crate::contact::scattered_triangles;
+use crate::shapes::sphere;
 
 fn overlap(one: &Box3, other: &Box3) -> bool {
     (0..3).all(|axis| one.low[axis] <= other.high[axis] && other.low[axis] <= one.high[axis])
@@ -126,6 +127,64 @@ fn rounded_box(far: f64, random: &mut Random) -> Box3 {
     };
     let corner = |random: &mut Random| Vec3::new(end(random), end(random), end(random));
     between(corner(random), corner(random))
+}
+
+/// A cloth of 20,000 faces laid over a ball of as many, and a step in which it slides over it: every two boxes that overlap are
+/// told of, each once, as by brute force over all of 800 million pairs.
+#[test]
+fn sweep_and_prune_finds_what_brute_force_finds_of_a_cloth_over_a_ball() {
+    const CELLS: u32 = 100;
+    let ball = sphere(32, 1.0);
+    let cloth_at = |i: u32, j: u32| {
+        let [x, y] = [i, j].map(|k| 4.0 * f64::from(k) / f64::from(CELLS) - 2.0);
+        // A hundredth over the ball, and down from there like a bell.
+        let height = if x.hypot(y) < 0.8 {
+            (1.01 - x * x - y * y).sqrt()
+        } else {
+            0.61 * (-4.0 * (x.hypot(y) - 0.8)).exp()
+        };
+        Vec3::new(x, y, height)
+    };
+    let (mut positions, mut faces) = (ball.points_mm, ball.faces);
+    let first = positions.len() as u32;
+    let at = |i: u32, j: u32| first + j * (CELLS + 1) + i;
+    for j in 0..=CELLS {
+        positions.extend((0..=CELLS).map(|i| cloth_at(i, j)));
+    }
+    for (i, j) in (0..CELLS).flat_map(|j| (0..CELLS).map(move |i| (i, j))) {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
+        faces.extend([[a, b, d], [a, d, c]]);
+    }
+    for way in [Vec3::zeros(), Vec3::new(0.05, 0.02, -0.03)] {
+        let step = |vertex: u32| if vertex < first { Vec3::zeros() } else { way };
+        let box_of = |face: &[u32; 3]| {
+            let ends =
+                face.map(|vertex| [0.0, 1.0].map(|part| positions[vertex as usize] + step(vertex) * part));
+            let corners = ends.as_flattened();
+            Box3 {
+                low: corners.iter().fold(corners[0], |low, x| low.inf(x)),
+                high: corners.iter().fold(corners[0], |high, x| high.sup(x)),
+            }
+        };
+        let boxes: Vec<Box3> = faces.iter().map(box_of).collect();
+        let mut sweep = SweepAndPrune::default();
+        let found = each_once(sweep.among(&boxes).iter().map(|&[i, j]| [i.min(j), i.max(j)]));
+        let mut overlaps = 0;
+        for i in 0..boxes.len() {
+            for j in i + 1..boxes.len() {
+                if overlap(&boxes[i], &boxes[j]) {
+                    overlaps += 1;
+                    assert!(found.contains(&[i as u32, j as u32]), "{i} and {j} missed");
+                }
+            }
+        }
+        // Single precision rounds boxes outwards, by 1e-7 of the scene: few more overlap by that.
+        assert!(
+            overlaps > 250_000 && found.len() < overlaps + overlaps / 100,
+            "{overlaps} of {}",
+            found.len()
+        );
+    }
 }
 
 /// 1.2 million pairs, by both forms: every two boxes that overlap are told of, each once. More may be, by what single

@@ -195,6 +195,37 @@ fn pairs_of_all_digits_cross_as_exact_arithmetic_says() {
     }
 }
 
+/// Two cubes: far from each other, a millionth from each other, touching, and in each other.
+#[test]
+fn two_cubes_cross_only_where_they_do() {
+    let corner = |k: u32| Vec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2));
+    let sides = [
+        [0, 2, 1, 3],
+        [4, 5, 6, 7],
+        [0, 1, 4, 5],
+        [2, 6, 3, 7],
+        [0, 4, 2, 6],
+        [1, 3, 5, 7],
+    ];
+    let faces_from = |first: u32| {
+        let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [b, d, c]];
+        sides
+            .into_iter()
+            .flat_map(halves)
+            .map(move |face| face.map(|v| first + v))
+    };
+    let faces: Vec<[u32; 3]> = faces_from(0).chain(faces_from(8)).collect();
+    for (way, crosses) in [(3.0, false), (1.0 + 1e-6, false), (1.0, true), (0.75, true)] {
+        let aside = Vec3::new(0.25, 0.375, way);
+        let positions: Vec<Vec3> = (0..8)
+            .map(corner)
+            .chain((0..8).map(|k| corner(k) + aside))
+            .collect();
+        let found = crossings(&Surface::new(&faces, &positions), &positions);
+        assert_eq!(!found.is_empty(), crosses, "{way}: {found:?}");
+    }
+}
+
 #[test]
 fn crossing_test_sees_a_needle_through_a_sheet_and_decides_exactly() {
     let v = Vec3::new;

@@ -4,4 +4,5 @@ mod broad;
 mod configurations;
 mod crossing;
 mod exact;
+mod moving;
 mod nearest;

@@ -31,7 +31,7 @@ fn size(corners: &[Vec3; 4]) -> f64 {
 
 /// How far a result is from the truth, in sizes.
 #[derive(Clone, Copy, Debug, Default)]
-struct Errors {
+pub(super) struct Errors {
     /// Of the length of the separation.
     distance: f64,
     /// Of the distance between the places that the weights say.
@@ -52,7 +52,7 @@ impl Errors {
         }
     }
 
-    fn largest(&self) -> f64 {
+    pub(super) fn largest(&self) -> f64 {
         self.distance
             .max(self.weighted)
             .max(self.separation)
@@ -88,7 +88,7 @@ impl Measure {
     }
 }
 
-fn errors(kind: PairKind, corners: &[Vec3; 4]) -> Errors {
+pub(super) fn errors(kind: PairKind, corners: &[Vec3; 4]) -> Errors {
     let nearest = nearest_of(kind, corners);
     let sums = error_of_sums(kind, &nearest);
     let size = size(corners);
@@ -174,7 +174,7 @@ fn errors_of_all_kinds(configuration: &Configuration, random: &mut Random) -> Er
 }
 
 /// Largest error in sizes: of four roundings at 1, each half of 2.2e-16, in each component of a separation.
-const TOLERANCE: f64 = 1e-15;
+pub(super) const TOLERANCE: f64 = 1e-15;
 
 #[test]
 #[allow(

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::program::{Folder, Snapshot, snapshot, stderr, temporaries, with_membranes};
+use crate::program::{Folder, Snapshot, fits_its_list, snapshot, stderr, temporaries, with_membranes};
 
 fn start(arguments: &[String]) -> Child {
     Command::new(env!("CARGO_BIN_EXE_coapt"))
@@ -109,7 +109,7 @@ fn closures(folder: &Folder) -> Rivals {
     Rivals::new(&folder.path("out"), [&run(&small), &run(&large)])
 }
 
-/// What is left under other names stands in nobody's way.
+/// What is left under other names stands in nobody's way, and files of two runs do not fit the list of their checksums.
 #[test]
 #[allow(clippy::print_stderr, reason = "how many kills met their moment is chance")]
 fn killed_at_any_moment_every_file_is_the_old_or_the_new_one() {
@@ -137,19 +137,30 @@ fn killed_at_any_moment_every_file_is_the_old_or_the_new_one() {
         Rivals::new(&folder.path("generated"), [&generate(36), &generate(38)]),
         closures,
     ];
-    let (mut met, mut half_written) = (0, 0);
+    let (mut met, mut half_written, mut mixed) = (0, 0, 0);
     for rivals in &all {
-        met += rivals.stop("-KILL", 16, |rivals| drop(rivals.found()));
+        let out = Path::new(&rivals.out);
+        met += rivals.stop("-KILL", 16, |rivals| {
+            if rivals.found().len() > 1 {
+                mixed += 1;
+                assert_ne!(fits_its_list(out), Some(true));
+            }
+        });
         half_written += temporaries(Path::new(&rivals.out)).len();
         let output = start(&rivals.runs[0]).wait_with_output().unwrap();
         assert!(matches!(output.status.code(), Some(0 | 3)), "{}", stderr(&output));
         assert_eq!(rivals.found(), BTreeSet::from([0]));
+        // An export is one file, which needs none.
+        let is_set = rivals.known[0].len() > 1;
+        assert!(!is_set || fits_its_list(out).unwrap_or(true));
         // Elsewhere they go after an hour.
         if cfg!(target_os = "linux") {
             assert_eq!(temporaries(Path::new(&rivals.out)), Vec::<String>::new());
         }
     }
-    eprintln!("{met} of 64 kills came in time and left {half_written} files under other names");
+    eprintln!(
+        "{met} of 64 kills came in time, left {half_written} files under other names and {mixed} times files of two runs"
+    );
     assert!(met >= 16, "{met} of 64 kills came in time");
 }
 
@@ -160,6 +171,7 @@ fn interrupted_at_any_moment_all_files_are_of_one_run() {
     let rivals = closures(&folder);
     let met = rivals.stop("-INT", 16, |rivals| {
         assert_eq!(rivals.found().len(), 1);
+        assert!(fits_its_list(Path::new(&rivals.out)).unwrap_or(true));
         assert_eq!(temporaries(Path::new(&rivals.out)), Vec::<String>::new());
     });
     assert!(met > 4, "{met} of 16 interruptions came in time");

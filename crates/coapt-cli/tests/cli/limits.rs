@@ -55,6 +55,19 @@ fn the_limit_of_faces_is_the_users() {
 }
 
 #[test]
+fn a_limit_of_no_faces_is_wrong_usage() {
+    for arguments in [
+        &["check", "healthy", "--max-faces", "0"][..],
+        &["compare", "a.vtp", "b.vtp", "--max-faces", "0"],
+    ] {
+        let output = coapt(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let words = stderr(&output);
+        assert!(words.contains("0 is not in 1..=4294967295"), "{words}");
+    }
+}
+
+#[test]
 fn surfaces_to_compare_have_the_same_limit() {
     let folder = Folder::new("limit-of-compare");
     let valve = folder.valve(&[]);

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use coapt_io::atomic::LIST;
+
 pub(crate) fn coapt(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_coapt"))
         .args(arguments)
@@ -95,7 +97,7 @@ pub(crate) fn with_membranes(valve: &str) -> String {
 /// Files by their path below a folder; of reports all but the times.
 pub(crate) type Snapshot = BTreeMap<String, Vec<u8>>;
 
-/// All complete files below a folder.
+/// All complete files below a folder, but for the list of their checksums, those of wall-clock times among them.
 pub(crate) fn snapshot(folder: &Path) -> Snapshot {
     let timeless = |bytes: Vec<u8>| match String::from_utf8(bytes) {
         Ok(text) => text
@@ -106,13 +108,25 @@ pub(crate) fn snapshot(folder: &Path) -> Snapshot {
             .into_bytes(),
         Err(error) => error.into_bytes(),
     };
-    let complete = files(folder).into_iter().filter(|name| !name.ends_with(".tmp"));
+    let complete = files(folder)
+        .into_iter()
+        .filter(|name| !name.ends_with(".tmp") && name != LIST);
     complete
         .map(|name| {
             let bytes = timeless(std::fs::read(folder.join(&name)).unwrap());
             (name, bytes)
         })
         .collect()
+}
+
+/// Whether all files that a folder's list names are as it says, by the tool that reads such lists; nothing where the system
+/// has none.
+pub(crate) fn fits_its_list(folder: &Path) -> Option<bool> {
+    let check = Command::new("sha256sum")
+        .args(["--check", "--strict", "--quiet", LIST])
+        .current_dir(folder)
+        .output();
+    Some(check.ok()?.status.success())
 }
 
 /// What is left below a folder of files that were not finished.

@@ -32,7 +32,8 @@ fn a_study_sets_error_against_time() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stdout(&output).ends_with("research use, not a medical device\n"));
     let read = |name: &str| std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
-    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 3);
+    // Table, object, picture, and the list of them.
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 4);
     // Four of the grid, one of the thickness that is not the default.
     assert_eq!(read("study.csv").lines().count(), 1 + 4 + 1);
     assert!(read("study.csv").starts_with("varied,faces,residual_tolerance,"));
@@ -77,7 +78,8 @@ fn a_study_of_laws_has_a_line_for_each() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stdout(&output).contains("one tissue in each law"));
     let read = |name: &str| std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
-    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 2);
+    // Table, object, and the list of them.
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 3);
     assert_eq!(read("laws.csv").lines().count(), 1 + 8);
     let study: Value = serde_json::from_str(&read("laws.json")).unwrap();
     let rows = study["rows"].as_array().unwrap();

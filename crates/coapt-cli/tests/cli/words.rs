@@ -85,6 +85,16 @@ fn a_wrong_setting_says_what_it_is_and_what_is_expected() {
             "`face_count_target` is `nan`, expected a whole number, 0 or above, such as ",
         ),
         ("faces=1e12", "is `1e12`, expected at most 4294967295, such as "),
+        (
+            "faces=",
+            "`face_count_target` has no value, expected a whole number, 0 or above, such as ",
+        ),
+        (
+            "annulus.transverse_mm= ",
+            "`annulus.transverse_mm` has no value, expected a number, such as ",
+        ),
+        // Edges of the usual number of faces are some millimetre long.
+        ("jitter_mm=3", "jitter_mm is 3; expected a number from 0 to 0."),
         ("faces=many", "is `many`, expected a whole number, 0 or above"),
         (
             "annulus.transverse_mm=nan",
@@ -163,6 +173,35 @@ fn what_is_no_scene_is_told_by_what_it_looks_like() {
         &folder.file("o.toml", "o = 1\nschema_version = 1\n"),
     ]));
     assert!(words.contains("unknown key `o`"), "{words}");
+}
+
+/// A chord that reaches nothing is not in the model: that stands with the verdict and in the JSON, too.
+#[test]
+fn chordae_left_out_are_told_of_beside_the_verdict() {
+    let bad = |name: &str| format!("{}/../../assets/bad/{name}", env!("CARGO_MANIFEST_DIR"));
+    let text = stdout(&coapt(&["closure", &bad("chord_to_nowhere.toml")]));
+    let lines: Vec<&str> = text.lines().collect();
+    let verdict = lines.iter().position(|line| line.contains("CERTIFIED")).unwrap();
+    let told = lines
+        .iter()
+        .position(|line| line.starts_with("left out: the valve was closed without chord segments that reach"))
+        .unwrap();
+    // One line on the work stands between.
+    assert!(told <= verdict + 2, "{text}");
+    let flat = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        flat.contains("neither tip nor leaflet: 1 of `marginal`;"),
+        "{text}"
+    );
+    let json = |name: &str| -> Value {
+        serde_json::from_str(&stdout(&coapt(&["closure", &bad(name), "--format", "json"]))).unwrap()
+    };
+    let left_out = &json("chord_to_nowhere.toml")["chordae_left_out"];
+    assert_eq!(left_out[0]["group"], "marginal");
+    assert_eq!(left_out[0]["segments"], 1);
+    for whole in ["parts/good.toml", "chord_twice.toml"] {
+        assert!(json(whole).get("chordae_left_out").is_none(), "{whole}");
+    }
 }
 
 /// Leaflets that overlap by a millimetre: drawn apart, which stands with the verdict and in the JSON.

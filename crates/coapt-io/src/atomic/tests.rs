@@ -88,6 +88,35 @@ fn nothing_of_a_batch_appears_before_all_of_it_is_written() {
     assert_eq!(std::fs::read(folder.path("a")).unwrap(), b"new");
 }
 
+/// The list comes last; what fits it is of one run, and what the other run left does not fit it.
+#[test]
+fn a_list_tells_which_files_are_of_one_run() {
+    let folder = Folder::new("list");
+    let write = |texts: [&str; 2]| {
+        let mut batch = Batch::default();
+        for (name, text) in ["a", "below/b"].into_iter().zip(texts) {
+            batch.write(&folder.path(name), text.as_bytes()).unwrap();
+        }
+        batch
+    };
+    make_folder(&folder.path("below")).unwrap();
+    std::fs::write(folder.path("stale"), "old").unwrap();
+    let mut first = write(["one", "two"]);
+    first.remove(folder.path("stale"));
+    first.finish_listed(&folder.0).unwrap();
+    assert_eq!(folder.names(), [LIST, "a", "below"]);
+    let list = std::fs::read_to_string(folder.path(LIST)).unwrap();
+    let expected = ["one", "two"].map(|text| sha256::hexadecimal(text.as_bytes()));
+    assert_eq!(list, format!("{}  a\n{}  below/b\n", expected[0], expected[1]));
+    // A folder stands in the way of the second file, so that the second run ends between the two.
+    std::fs::remove_file(folder.path("below/b")).unwrap();
+    let second = write(["another one", "another two"]);
+    std::fs::create_dir_all(folder.path("below/b/full")).unwrap();
+    assert!(second.finish_listed(&folder.0).is_err());
+    assert_eq!(std::fs::read(folder.path("a")).unwrap(), b"another one");
+    assert_eq!(std::fs::read_to_string(folder.path(LIST)).unwrap(), list);
+}
+
 /// Files that a killed process left: only those of the same name that are too old to be anybody's go.
 #[test]
 fn what_a_killed_process_left_goes_with_time() {

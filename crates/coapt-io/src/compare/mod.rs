@@ -116,7 +116,7 @@ pub fn write_comparison(folder: &Path, result: &ReadSurface, report: &Comparison
         &folder.join("error.vtp"),
         &error_map(&result.mesh, &report.comparison.map),
     )?;
-    batch.finish()
+    batch.finish_listed(folder)
 }
 
 /// The surface of the result with the error at each of its points.

@@ -73,6 +73,12 @@ pub(super) fn read_document(xml: &str, faults: &mut Faults) -> Result<Document, 
                     array.text.get_or_insert((range, line));
                 }
             }
+            // It could say what is not in the file, and VTK writes none.
+            Ok(Event::DocType(_)) => {
+                let message =
+                    "a document type, <!DOCTYPE ...>, which no VTK file has; expected <VTKFile ...> at once";
+                return Err(faults.fatal(Place::Line(lines.line_at(start)), message));
+            }
             Ok(Event::Eof) => return Ok(document),
             Ok(_) => {}
             Err(error) => {

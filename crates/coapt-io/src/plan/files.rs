@@ -43,7 +43,7 @@ pub fn write_plan(
             batch.remove(old);
         }
     }
-    batch.finish()
+    batch.finish_listed(folder)
 }
 
 /// Makes the folder for closed shapes, to know before the work that it can be made.

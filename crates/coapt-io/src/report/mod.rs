@@ -6,7 +6,7 @@ mod surfaces;
 mod text;
 
 use coapt::measure::{self, Measures};
-use coapt::model::{Model, Untangled};
+use coapt::model::{LeftOut, Model, Untangled};
 use coapt::relax::{Equilibrium, Status};
 use coapt::repair;
 use coapt::scene::{Fault, MMHG_MPA};
@@ -50,6 +50,8 @@ pub struct Closure {
     pub warnings: Vec<Fault>,
     /// What crossed in the open valve as given and was drawn apart.
     pub untangled: Option<Untangled>,
+    /// Chordae that were given and are not in the model, by group.
+    pub chordae_left_out: Vec<LeftOut>,
 }
 
 /// The JSON report. Units are in the names; see the measures for their definitions.
@@ -70,6 +72,9 @@ pub struct Report {
     /// What crossed in the open valve as given and was drawn apart; absent where nothing did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub untangled: Option<UntangledReport>,
+    /// Chordae that were given, reach nothing and are not in the model, by group; absent where none are.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub chordae_left_out: Vec<LeftOutReport>,
     /// Without the plan.
     pub before: Outcome,
     /// With the plan; absent without one.
@@ -103,6 +108,15 @@ pub struct UntangledReport {
     pub moved_points: usize,
     /// How far the one was moved that was moved farthest [mm].
     pub farthest_mm: f64,
+}
+
+/// Chord segments of a group that reach neither tip nor leaflet, or hang on such: the valve was closed without them.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LeftOutReport {
+    /// Name of the group.
+    pub group: String,
+    /// How many of its segments.
+    pub segments: usize,
 }
 
 /// One closed state.
@@ -157,6 +171,7 @@ impl Report {
                 chords: model.chords.ends.len(),
             },
             untangled: closure.untangled.as_ref().map(untangled_report),
+            chordae_left_out: closure.chordae_left_out.iter().map(left_out_report).collect(),
             before: outcome(&closure.before),
             after: closure.after.as_ref().map(outcome),
             repairs: closure.repairs.iter().map(repair_report).collect(),
@@ -205,6 +220,13 @@ fn outcome(closed: &Closed) -> Outcome {
             &equilibrium.state.positions_mm,
             &equilibrium.reactions_n,
         ),
+    }
+}
+
+fn left_out_report(left_out: &LeftOut) -> LeftOutReport {
+    LeftOutReport {
+        group: left_out.group.clone(),
+        segments: left_out.segments,
     }
 }
 

@@ -6,6 +6,7 @@
 //! | `open.vtp`, `closed.vtp` | leaflets; cells `leaflet`; points `annulus`; closed also points `gap_mm`, `contact`, `strain`, `displacement_mm` |
 //! | `open_chords.vtp`, `chords.vtp` | chordae; cells `group`, `rest_length_mm`; closed also `force_n` |
 //! | `ring.vtp` | the ring where it lies, after an annuloplasty |
+//! | `SHA256SUMS` | all of these with their checksums, written last |
 //!
 //! With a plan the surfaces stand twice, in `before/` and `after/`.
 
@@ -29,7 +30,7 @@ use crate::mesh::{Array, PolyData, stage_vtp, write_vtp};
 pub fn write_results(folder: &Path, closure: &Closure, report: &Report) -> Result<(), Fault> {
     let mut batch = Batch::default();
     stage_results(&mut batch, folder, closure, report)?;
-    batch.finish()
+    batch.finish_listed(folder)
 }
 
 /// The same as part of a batch.

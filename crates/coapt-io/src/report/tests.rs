@@ -46,6 +46,7 @@ pub(super) fn closure_with(repairs: &[Repair]) -> Closure {
         repairs: reports,
         warnings: vec![Fault::warning("scene.toml:3", "leaflets: turned")],
         untangled: None,
+        chordae_left_out: Vec::new(),
     }
 }
 

@@ -7,7 +7,7 @@ use coapt::scene::{Readable, Settings};
 
 use super::repairs::repair_line;
 use super::rows::{Row, groups};
-use super::{Report, Solve, UntangledReport};
+use super::{LeftOutReport, Report, Solve, UntangledReport};
 use crate::escape::escaped;
 
 /// Longest line.
@@ -48,6 +48,9 @@ pub fn text(report: &Report) -> String {
     }
     if let Some(untangled) = &report.untangled {
         line(&mut out, "drawn apart", &untangled_line(untangled));
+    }
+    if !report.chordae_left_out.is_empty() {
+        line(&mut out, "left out", &left_out_line(&report.chordae_left_out));
     }
     if !report.certified() {
         line(
@@ -92,6 +95,15 @@ fn untangled_line(untangled: &UntangledReport) -> String {
         "surfaces of the open valve crossed or touched at {} places, the first at ({x:.1}, {y:.1}, {z:.1}) mm; {} points were \
          moved before it was closed, by {:.2} mm at most",
         untangled.places, untangled.moved_points, untangled.farthest_mm
+    )
+}
+
+/// That the valve closed lacks chordae of the one given.
+fn left_out_line(left_out: &[LeftOutReport]) -> String {
+    let count = |of: &LeftOutReport| format!("{} of `{}`", of.segments, of.group);
+    format!(
+        "the valve was closed without chord segments that reach neither tip nor leaflet: {}; what they should hold is not held",
+        left_out.iter().map(count).collect::<Vec<_>>().join(", ")
     )
 }
 

@@ -9,9 +9,11 @@ use coapt::scene::{Fault, Severity, Space};
 use super::nearest::nearest;
 use crate::mesh::{self, Curve, MarkupPoints, PolyData};
 
-/// The files of one scene.
+/// The files of one scene or plan.
 #[derive(Debug)]
 pub(super) struct Files {
+    /// What names them: `scene` or `plan`.
+    owner: &'static str,
     folder: PathBuf,
     /// The frame of files that do not say theirs.
     space: Space,
@@ -28,8 +30,9 @@ pub(super) struct Files {
 
 impl Files {
     /// No file read yet.
-    pub(super) fn new(folder: &Path, space: Space, face_limit: u32) -> Self {
+    pub(super) fn new(owner: &'static str, folder: &Path, space: Space, face_limit: u32) -> Self {
         Self {
+            owner,
             folder: folder.to_owned(),
             space,
             face_limit,
@@ -161,9 +164,9 @@ impl Files {
         }
     }
 
-    /// The path of a file in the scene's folder.
+    /// The path of a file in the folder of what names it.
     fn path(&mut self, place: &str, file: &str) -> Option<PathBuf> {
-        if let Err(message) = check_name(file) {
+        if let Err(message) = check_name(file, self.owner) {
             self.error(place, format!("is `{file}`, {message}"));
             return None;
         }
@@ -177,7 +180,10 @@ impl Files {
         if leads_out(&path, &self.folder) {
             self.error(
                 place,
-                format!("is `{file}`, a link that leads out of the scene's folder; put the file into it"),
+                format!(
+                    "is `{file}`, a link that leads out of the {}'s folder; put the file into it",
+                    self.owner
+                ),
             );
             return None;
         }
@@ -208,17 +214,21 @@ fn is_device(name: &str) -> bool {
     ["CON", "PRN", "AUX", "NUL"].contains(&stem.as_str()) || numbered("COM") || numbered("LPT")
 }
 
-/// Only names below the scene's folder: a scene from elsewhere must not reach other files.
-fn check_name(file: &str) -> Result<(), &'static str> {
+/// Only names below the folder of what names them: a scene or a plan from elsewhere must not reach other files.
+fn check_name(file: &str, owner: &str) -> Result<(), String> {
     let drive = file.as_bytes().get(1) == Some(&b':');
     if file.is_empty() {
-        return Err("expected the name of a file");
+        return Err("expected the name of a file".into());
     }
     if file.contains("://") {
-        return Err("an address on a network; expected a file in the scene's folder");
+        return Err(format!(
+            "an address on a network; expected a file in the {owner}'s folder"
+        ));
     }
     if file.starts_with(['/', '\\']) || drive {
-        return Err("an absolute path; expected one relative to the scene's folder");
+        return Err(format!(
+            "an absolute path; expected one relative to the {owner}'s folder"
+        ));
     }
     let mut depth = 0_i32;
     for component in Path::new(file).components() {
@@ -228,14 +238,16 @@ fn check_name(file: &str) -> Result<(), &'static str> {
             _ => 0,
         };
         if depth < 0 {
-            return Err("which leads out of the scene's folder; put the file into it");
+            return Err(format!(
+                "which leads out of the {owner}'s folder; put the file into it"
+            ));
         }
     }
     if file.split(['/', '\\']).any(is_device) {
-        return Err("the name of a device on Windows; rename the file");
+        return Err("the name of a device on Windows; rename the file".into());
     }
     if file.contains('\0') {
-        return Err("which has a zero byte in it; expected the name of a file");
+        return Err("which has a zero byte in it; expected the name of a file".into());
     }
     Ok(())
 }
@@ -289,7 +301,7 @@ mod tests {
             "null.vtp",
             "com.vtp",
         ] {
-            assert_eq!(check_name(good), Ok(()), "{good}");
+            assert_eq!(check_name(good, "scene"), Ok(()), "{good}");
         }
         for (bad, reason) in [
             ("", "the name of a file"),
@@ -303,7 +315,9 @@ mod tests {
             ("meshes/com1.vtp", "device"),
             ("a\0.vtp", "zero byte"),
         ] {
-            assert!(check_name(bad).unwrap_err().contains(reason), "{bad}");
+            assert!(check_name(bad, "scene").unwrap_err().contains(reason), "{bad}");
         }
+        let of_plan = check_name("../a.vtp", "plan").unwrap_err();
+        assert!(of_plan.contains("out of the plan's folder"), "{of_plan}");
     }
 }

@@ -63,7 +63,7 @@ pub fn scene_within(
     let name = path.display().to_string();
     let mut scene: Scene = document::parse(&name, text)?;
     scene.settings.face_limit = face_limit.unwrap_or(scene.settings.face_limit);
-    let mut files = Files::new(folder_of(path), scene.space, scene.settings.face_limit);
+    let mut files = Files::new("scene", folder_of(path), scene.space, scene.settings.face_limit);
     if scene.space == Space::RAS {
         frame::turn_scene(&mut scene);
     }

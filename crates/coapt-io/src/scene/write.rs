@@ -24,7 +24,7 @@ const DISPLACEMENT_ARRAY: &str = "annulus_displacement_mm";
 pub fn write_scene(folder: &Path, scene: &Scene) -> Result<(), Fault> {
     let mut batch = Batch::default();
     stage_scene(&mut batch, folder, scene)?;
-    batch.finish()
+    batch.finish_listed(folder)
 }
 
 /// The same as part of a batch.

@@ -108,6 +108,11 @@ pub fn find(input: &LandmarkInput) -> (AnnulusLandmarks, Vec<Fault>) {
     if mirrored {
         warnings.push(mirror_warning());
     }
+    if trigones_are_swapped(input, mid_anterior, [al, left, right]) {
+        let message = "lies on the posteromedial side and trigone_right_mm on the anterolateral one; expected the left trigone \
+                       beside the anterolateral commissure: they look swapped";
+        warnings.push(Fault::warning("landmarks.trigone_left_mm", message));
+    }
     let landmarks = AnnulusLandmarks {
         mid_anterior,
         mid_posterior,
@@ -125,6 +130,26 @@ fn mirror_warning() -> Fault {
         "the anterolateral side lies clockwise from the anterior middle, seen from the atrium; in a human heart it \
          lies counter-clockwise: the valve looks mirrored",
     )
+}
+
+/// Whether both trigones are named, each on the other's side of the anterior middle. What side is which the anterolateral
+/// commissure says, or where the trigones themselves decided that, the muscle of that name.
+fn trigones_are_swapped(input: &LandmarkInput, mid_anterior: usize, [al, left, right]: [usize; 3]) -> bool {
+    let named = input.named;
+    if named.trigone_left_mm.is_none() || named.trigone_right_mm.is_none() {
+        return false;
+    }
+    let at = |index: usize| input.annulus_mm[index];
+    // To the anterolateral side from the anterior middle, across the valve.
+    let has_commissures =
+        named.commissure_anterolateral_mm.is_some() && named.commissure_posteromedial_mm.is_some();
+    let muscles = side_of_muscle(input, is_anterolateral).zip(side_of_muscle(input, is_posteromedial));
+    let across = match muscles {
+        Some((lateral, medial)) if !has_commissures => lateral - medial,
+        _ => at(al) - at(mid_anterior),
+    };
+    let side = |index: usize| (at(index) - at(mid_anterior)).dot(&across);
+    side(left) < 0.0 && side(right) > 0.0
 }
 
 /// Whether the anterolateral side is at the arc's start, as the named commissures or muscles tell; anatomy has
@@ -285,6 +310,41 @@ mod tests {
         );
         assert!(ring(0.0)[found.trigone_left].x > 0.0);
         assert!(warnings[0].message.contains("mirrored"));
+    }
+
+    /// Whatever else tells the sides: commissures, muscles, or both at once.
+    #[test]
+    fn swapped_trigones_are_told() {
+        let tips = [
+            ("posteromedial", Vec3::new(12.0, -3.0, -20.0)),
+            ("anterolateral", Vec3::new(-12.0, -2.0, -20.0)),
+        ];
+        let (left, right) = (Some([-10.0, 12.0, 0.0]), Some([10.0, 12.0, 0.0]));
+        let commissures = Landmarks {
+            commissure_anterolateral_mm: Some([-16.0, 7.0, 0.0]),
+            commissure_posteromedial_mm: Some([16.0, 7.0, 0.0]),
+            ..Landmarks::default()
+        };
+        let with = |named: &Landmarks, trigones: [Option<[f64; 3]>; 2]| Landmarks {
+            trigone_left_mm: trigones[0],
+            trigone_right_mm: trigones[1],
+            ..*named
+        };
+        for (tips, named) in [
+            (&tips[..], &Landmarks::default()),
+            (&[][..], &commissures),
+            (&tips[..], &commissures),
+        ] {
+            let swapped = |trigones| {
+                let named = with(named, trigones);
+                let (_, warnings) = find(&input(&ring(0.0), &borders(), tips, &named));
+                warnings.iter().any(|warning| warning.message.contains("swapped"))
+            };
+            assert!(!swapped([left, right]));
+            assert!(swapped([right, left]));
+            // Of one alone nobody can tell that the other is meant.
+            assert!(!swapped([right, None]));
+        }
     }
 
     #[test]

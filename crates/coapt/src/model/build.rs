@@ -1,7 +1,7 @@
 //! From a scene to a model: the steps in order, each refusing what the next could not bear.
 
 use super::annulus::{self, Found};
-use super::chordae::{self, Strung};
+use super::chordae::{self, LeftOut, Strung};
 use super::elasticity::{Elasticity, Sheet, elasticity};
 use super::faults::Faults;
 use super::surface::{self, Surface};
@@ -23,6 +23,8 @@ pub struct Built {
     pub warnings: Vec<Fault>,
     /// What crossed in the open valve and was drawn apart; nothing where nothing did.
     pub untangled: Option<Untangled>,
+    /// Chordae that were given and are not in the model, by group.
+    pub chordae_left_out: Vec<LeftOut>,
 }
 
 impl Model {
@@ -58,7 +60,8 @@ impl Model {
         faults.stop()?;
         let mut found = found.ok_or_else(Vec::new)?;
         facing::face_atrium(&mut surface, &mut found, &mut loops, &tips, &mut faults);
-        let strung = chordae::string(scene, &surface, &tips, &mut faults);
+        let mut strung = chordae::string(scene, &surface, &tips, &mut faults);
+        let chordae_left_out = std::mem::take(&mut strung.left_out);
         check_ties(&surface, &edges, &found, &strung, &mut faults);
         annulus_checks::check_insertions(&surface, &found, &strung.chords.points, &mut faults);
         faults.stop()?;
@@ -82,6 +85,7 @@ impl Model {
             model,
             warnings: faults.into_warnings(),
             untangled,
+            chordae_left_out,
         })
     }
 }

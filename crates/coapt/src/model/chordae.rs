@@ -17,6 +17,17 @@ pub(crate) struct Strung {
     pub(crate) chords: Chords,
     /// Positions of the chord nodes.
     pub(crate) nodes: Vec<Vec3>,
+    /// What was given and is not among them.
+    pub(crate) left_out: Vec<LeftOut>,
+}
+
+/// Chord segments of a group that reach neither tip nor leaflet, or hang on such: the model is without them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Name of the group.
+    pub group: String,
+    /// How many of its segments.
+    pub segments: usize,
 }
 
 /// Welds, checks and numbers the chordae.
@@ -28,8 +39,19 @@ pub(crate) fn string(scene: &Scene, leaflet: &Surface, tips: &[Vec3], faults: &m
     if faults.any_error() {
         return Strung::default();
     }
-    drop_free_ends(&mut attached, &leaflet.points, faults);
-    number(scene, &attached, &leaflet.points, tips, faults)
+    let groups_left_out = drop_free_ends(&mut attached, &leaflet.points, faults);
+    let count = |(number, group): (usize, &ChordGroup)| LeftOut {
+        group: group.name.clone(),
+        segments: groups_left_out
+            .iter()
+            .filter(|&&of| of as usize == number)
+            .count(),
+    };
+    let left_out = scene.chordae.iter().enumerate().map(count);
+    Strung {
+        left_out: left_out.filter(|of_group| of_group.segments > 0).collect(),
+        ..number(scene, &attached, &leaflet.points, tips, faults)
+    }
 }
 
 fn drop_duplicates(segments: &mut Vec<Segment>, faults: &mut Faults) {
@@ -54,8 +76,9 @@ fn drop_duplicates(segments: &mut Vec<Segment>, faults: &mut Faults) {
     }
 }
 
-/// Chord ends that reach nothing carry nothing: leaves them out, and what they leave behind, each segment once.
-fn drop_free_ends(attached: &mut Attached, leaflet: &[Vec3], faults: &mut Faults) {
+/// Chord ends that reach nothing carry nothing: leaves them out, and what they leave behind, each segment once. Returns the
+/// group of each that is left out.
+fn drop_free_ends(attached: &mut Attached, leaflet: &[Vec3], faults: &mut Faults) -> Vec<u32> {
     let segments = &attached.segments;
     let mut at_node: Vec<Vec<usize>> = vec![Vec::new(); attached.nodes.len()];
     for (number, segment) in segments.iter().enumerate() {
@@ -86,8 +109,11 @@ fn drop_free_ends(attached: &mut Attached, leaflet: &[Vec3], faults: &mut Faults
             }
         }
     }
+    let groups = segments.iter().zip(&dropped).filter(|(_, dropped)| **dropped);
+    let groups = groups.map(|(segment, _)| segment.group).collect();
     let mut kept = dropped.iter().map(|dropped| !dropped);
     attached.segments.retain(|_| kept.next().unwrap_or(true));
+    groups
 }
 
 fn nodes(segment: &Segment) -> impl Iterator<Item = usize> + use<> {
@@ -154,7 +180,11 @@ fn number(
         chords.area_mm2.push(rod.area_mm2);
         chords.group.push(rod.group);
     }
-    Strung { chords, nodes }
+    Strung {
+        chords,
+        nodes,
+        left_out: Vec::new(),
+    }
 }
 
 /// Lengths are given to the insertion; the chord pulls at the middle of its patch, at a margin a little inward. In no
@@ -398,6 +428,12 @@ mod tests {
             "segment 7",
             "reaches neither tip nor leaflet"
         ));
+        // What is there twice is not missing.
+        let left_out = LeftOut {
+            group: scene.chordae[0].name.clone(),
+            segments: 2,
+        };
+        assert_eq!(built.chordae_left_out, [left_out]);
     }
 
     #[test]

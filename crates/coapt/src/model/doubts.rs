@@ -34,6 +34,11 @@ const INSERTION_RADIUS_MM: RangeInclusive<f64> = 0.05..=8.0;
 /// Contact begins where leaflets touch, at their thickness; at more than so many thicknesses something else is meant [1]: our choice.
 const CONTACT_THICKNESSES: f64 = 3.0;
 
+/// Hard valves come to rest within 1,600 iterations (docs/hard-cases.md); more than so many are none (our choice).
+const MOST_ITERATIONS: u32 = 20_000;
+/// Insertions are drawn within half an edge, a millimetre or two, of the leaflet; neighbours are some 5 mm apart (our choice).
+const LONGEST_INSERTION_MM: f64 = 5.0;
+
 /// What [`super::Model::build`] takes of a scene's numbers and doubts; for those who write a scene without building it.
 pub fn doubts(scene: &Scene) -> Vec<Fault> {
     let mut faults = Faults::default();
@@ -57,6 +62,21 @@ pub(crate) fn tell(scene: &Scene, faults: &mut Faults) {
     );
     contact(scene, faults);
     pressure(scene, faults);
+    let limit = scene.settings.iteration_limit;
+    if limit > MOST_ITERATIONS {
+        let message = format!(
+            "is {limit}, expected 1 to {MOST_ITERATIONS}: what has not come to rest by then never does, and would take hours"
+        );
+        faults.warning("settings.iteration_limit", message);
+    }
+    let reach_mm = scene.weld.insertion_tolerance_mm;
+    if reach_mm.is_finite() && reach_mm > LONGEST_INSERTION_MM {
+        let message = format!(
+            "is {} mm, expected 0 to {LONGEST_INSERTION_MM} mm: chord ends take the nearest leaflet or tip so far away",
+            Readable(reach_mm)
+        );
+        faults.warning("weld.insertion_tolerance_mm", message);
+    }
 }
 
 fn contact(scene: &Scene, faults: &mut Faults) {

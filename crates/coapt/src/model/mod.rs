@@ -30,6 +30,7 @@ mod validate_numbers;
 mod validate_tissue;
 
 pub use build::Built;
+pub use chordae::LeftOut;
 pub use doubts::doubts;
 pub(crate) use insertion::{Insertion, insertion_near};
 pub use untangle::Untangled;

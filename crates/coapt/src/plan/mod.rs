@@ -194,6 +194,10 @@ pub fn apply_all(model: &Model, repairs: &[Repair]) -> Result<Applied, Refusal> 
         warnings: Vec::new(),
     };
     for (number, deed) in repairs.iter().enumerate() {
+        refuse_second_ring(&repairs[..number], deed).map_err(|fault| Refusal {
+            repair: number,
+            faults: vec![fault],
+        })?;
         let repaired = repair::apply(&applied.model, deed).map_err(|faults| Refusal {
             repair: number,
             faults,
@@ -205,6 +209,20 @@ pub fn apply_all(model: &Model, repairs: &[Repair]) -> Result<Applied, Refusal> 
             .extend(repaired.warnings.into_iter().map(|fault| (number, fault)));
     }
     Ok(applied)
+}
+
+/// A ring draws the annulus onto itself, whatever drew it elsewhere before: of two, only the last would show.
+fn refuse_second_ring(before: &[Repair], deed: &Repair) -> Result<(), Fault> {
+    let is_ring = |repair: &Repair| matches!(repair, Repair::Ring(_));
+    match before.iter().position(is_ring) {
+        Some(first) if is_ring(deed) => Err(Fault::error(
+            "ring",
+            format!(
+                "it would be sewn where repair[{first}] has sewn a ring; expected one ring, and others as alternatives"
+            ),
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn attempted(

@@ -8,6 +8,7 @@ mod nearest_parts;
 mod pressed;
 mod scales;
 mod sheets;
+mod solids;
 
 use coapt::Vec3;
 use coapt::energy::membrane;
@@ -27,6 +28,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     cases.extend(nearest_parts::cases());
     cases.extend(pressed::cases());
     cases.extend(sheets::cases());
+    cases.extend(solids::cases());
     cases.extend(scales::cases());
     cases
 }

@@ -5,7 +5,7 @@ use coapt::Vec3;
 
 use super::assembly::{Body, Matter, assemble, height_field, roof};
 use super::begun;
-use crate::hard::HardCase;
+use crate::hard::{HardCase, Jitter};
 use crate::shapes::Mesh;
 
 const HALF_MM: f64 = 5.0;
@@ -47,16 +47,22 @@ fn points() -> Vec<HardCase> {
     ];
     let mut cases = Vec::new();
     for (part, [x, y]) in places {
+        let lowered = move |jitter: &mut Jitter, gap_mm: f64| {
+            let tip = Body::rigid(pin(Vec3::new(x, y, gap_mm)), -Vec3::z() * DOWN_MM).level();
+            assemble(&[sheet(), tip], &Matter::default(), jitter)
+        };
         for (start, gap_mm) in [("1e-3", 1e-3), ("1e-9", 1e-9)] {
             cases.push(begun(
                 format!("rigid vertex exactly over {part}, {start} mm away"),
                 "closest points jump between parts; nearer than steps may bring them",
-                move |jitter| {
-                    let tip = Body::rigid(pin(Vec3::new(x, y, gap_mm)), -Vec3::z() * DOWN_MM).level();
-                    assemble(&[sheet(), tip], &Matter::default(), jitter)
-                },
+                move |jitter| lowered(jitter, gap_mm),
             ));
         }
+        cases.push(begun(
+            format!("rigid vertex exactly on {part}"),
+            "no distance, and no direction in which to part",
+            move |jitter| lowered(jitter, 0.0),
+        ));
     }
     cases
 }

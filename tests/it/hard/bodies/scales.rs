@@ -9,7 +9,7 @@ use super::assembly::{Body, Matter, assemble, height_field};
 use super::pressed::sphere_pair;
 use super::{begun, count_in_pressure, jittered_in_plane, resting, uncertified};
 use crate::hard::{HardCase, Jitter};
-use crate::shapes::{SpringTissue, disk, hold, sprung};
+use crate::shapes::{Mesh, SpringTissue, disk, hold, sprung};
 
 pub(super) fn cases() -> Vec<HardCase> {
     let mut cases = Vec::new();
@@ -27,6 +27,21 @@ pub(super) fn cases() -> Vec<HardCase> {
     }
     cases.extend(uneven());
     cases.push(resting(
+        "flat disk of springs, 25 times as many faces",
+        "a mesh much finer than others here",
+        |jitter| blown_mesh(disk(30, RADIUS_MM), jitter, 1.0, 0.03),
+    ));
+    cases.push(uncertified(
+        resting(
+            "flat disk of springs, a thousandth as thick",
+            "hardly any tissue, and no knee",
+            |jitter| blown_disk(jitter, 1.0, 30.0),
+        ),
+        &[Status::Burst],
+        "springs without a knee grow weaker the farther they are stretched: above a pressure that falls with the thickness there \
+         is no balance",
+    ));
+    cases.push(resting(
         "flat disk without pressure",
         "nothing to do, and nothing to count residuals in but stiffness",
         |jitter| blown_disk(jitter, 1.0, 0.0),
@@ -43,7 +58,7 @@ pub(super) fn cases() -> Vec<HardCase> {
             model
         },
     ));
-    cases.extend(thin());
+    cases.extend(thick_and_thin());
     cases
 }
 
@@ -81,19 +96,24 @@ fn uneven() -> Vec<HardCase> {
     ]
 }
 
-fn thin() -> Vec<HardCase> {
+fn thick_and_thin() -> Vec<HardCase> {
     let sheets = |thickness_mm: f64, iteration_limit: u32| {
         begun(
             format!("sheets pressed on each other over a contact thickness of {thickness_mm} mm"),
-            "contact goes from nothing to rigid within almost no distance",
+            match thickness_mm > 1.0 {
+                true => "contact reaches over several faces, and is there from the start",
+                false => "contact goes from nothing to rigid within almost no distance",
+            },
             move |jitter| {
-                let (mut model, start_mm) = thin_contact(jitter, thickness_mm);
+                let (mut model, start_mm) = lowered_plateau(jitter, thickness_mm);
                 model.settings.iteration_limit = iteration_limit;
                 (model, start_mm)
             },
         )
     };
     vec![
+        sheets(2.5, 2000),
+        sheets(5.0, 2000),
         sheets(1e-2, 2000),
         uncertified(
             sheets(1e-4, 50),
@@ -112,7 +132,11 @@ const RADIUS_MM: f64 = 10.0;
 
 /// A disk in other units, under p a / (E h).
 fn blown_disk(jitter: &mut Jitter, unit: f64, softness: f64) -> Model {
-    let mesh = jittered_in_plane(disk(6, RADIUS_MM * unit), jitter);
+    blown_mesh(disk(6, RADIUS_MM * unit), jitter, unit, softness)
+}
+
+fn blown_mesh(mesh: Mesh, jitter: &mut Jitter, unit: f64, softness: f64) -> Model {
+    let mesh = jittered_in_plane(mesh, jitter);
     let mut model = sprung(&mesh, SpringTissue::linear(unit), softness / RADIUS_MM);
     hold(&mut model, &mesh.rim);
     model
@@ -145,7 +169,7 @@ fn scale_spring(model: &mut Model, spring: usize, factor: f64) {
 }
 
 /// A blunt pyramid lowered on a flat sheet.
-fn thin_contact(jitter: &mut Jitter, thickness_mm: f64) -> (Model, Vec<Vec3>) {
+fn lowered_plateau(jitter: &mut Jitter, thickness_mm: f64) -> (Model, Vec<Vec3>) {
     let matter = Matter {
         contact: Contact {
             thickness_mm,

@@ -62,6 +62,13 @@ pub(super) fn each_tissue(scene: &mut Scene, change: impl Fn(&mut f64, &mut f64)
     }
 }
 
+/// Leaflets of one thickness throughout.
+pub(super) fn thickness(scene: &mut Scene, thickness_mm: f64) {
+    for leaflet in &mut scene.leaflets {
+        leaflet.thickness_mm = thickness_mm;
+    }
+}
+
 /// Tissue that is so many times as stiff beyond its knee as below.
 pub(super) fn knee(scene: &mut Scene, ratio: f64) {
     each_tissue(scene, |soft, stiff| *soft = *stiff / ratio);

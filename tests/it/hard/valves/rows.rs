@@ -8,7 +8,7 @@ use coapt::state::State;
 use super::EDGE_MM;
 use super::deeds::{
     cross, each_free, each_tissue, excess_tissue, flatten, knee, lowest_mm, make_slivers, meshes, narrow,
-    swing,
+    swing, thickness,
 };
 
 /// What a row does to a preset: to its parameters, to its scene or to where it begins.
@@ -25,7 +25,7 @@ pub(super) type Row = (&'static str, &'static str, Deed, &'static [Preset]);
 const ALL: &[Preset] = &Preset::ALL;
 const HEALTHY: &[Preset] = &[Preset::Healthy];
 
-pub(super) const ROWS: [Row; 30] = [
+pub(super) const ROWS: [Row; 31] = [
     ("base", "nothing", Deed::Scene(|_| {}), ALL),
     (
         "slivers",
@@ -150,6 +150,12 @@ pub(super) const ROWS: [Row; 30] = [
         "stiffness jumps at the knee",
         Deed::Scene(|scene| knee(scene, 1000.0)),
         ALL,
+    ),
+    (
+        "leaflets 0.1 mm thick",
+        "a tenth of the tissue bears all the load",
+        Deed::Scene(|scene| thickness(scene, 0.1)),
+        HEALTHY,
     ),
     (
         "annulus narrowed by 20 %",

@@ -111,7 +111,7 @@ fn read(
         return Err(vec![Fault::error(name, too_many(&told))]);
     }
     document.expand(&name, text)?;
-    let mut files = Files::new(folder_of(path), Space::LPS, u32::MAX);
+    let mut files = Files::new("plan", folder_of(path), Space::LPS, u32::MAX);
     let search = document.search.take();
     let made = alternatives(document, &mut files);
     files.judge_frames();

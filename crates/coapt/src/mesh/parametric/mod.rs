@@ -44,7 +44,7 @@ use crate::scene::{
 /// # Errors
 ///
 /// Every parameter outside its range, by key, value and range; or leaflets that cannot hang open in this
-/// annulus.
+/// annulus; or jitter of about half an edge or more.
 pub fn generate(parameters: &ValveParameters) -> Result<Scene, Vec<Fault>> {
     let faults = check::faults(parameters);
     if !faults.is_empty() {
@@ -55,6 +55,9 @@ pub fn generate(parameters: &ValveParameters) -> Result<Scene, Vec<Fault>> {
         return Err(vec![fault]);
     }
     let mut sheet = skirt::sheet(&surface, parameters.face_count_target);
+    if let Some(fault) = check::jitter_fault(parameters, &sheet) {
+        return Err(vec![fault]);
+    }
     jitter(&mut sheet, parameters.jitter_mm, parameters.jitter_seed);
     let heads = chordae::heads(&parameters.papillary).now_mm;
     Ok(Scene {

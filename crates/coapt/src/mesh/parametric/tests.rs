@@ -327,6 +327,36 @@ fn jitter_moves_free_points_a_little() {
     assert_eq!(loops(&boundary(&welded(&moved).1)).len(), 2);
 }
 
+/// What a mesh bears at most depends on its edges, and is told; at that any preset is a valve that can be built.
+#[test]
+fn as_much_jitter_as_is_told_still_makes_a_valve() {
+    for preset in Preset::ALL {
+        for face_count_target in [300, 650, 2600] {
+            let with = |jitter_mm, jitter_seed| {
+                generate(&ValveParameters {
+                    jitter_mm,
+                    jitter_seed,
+                    face_count_target,
+                    ..ValveParameters::preset(preset)
+                })
+            };
+            let faults = with(9.0, 0).expect_err("too much");
+            assert_eq!((faults.len(), faults[0].place.as_str()), (1, "jitter_mm"));
+            let words = &faults[0].message;
+            let most = words
+                .split_once("from 0 to ")
+                .and_then(|(_, rest)| rest.split_once(','))
+                .and_then(|(number, _)| number.parse::<f64>().ok())
+                .expect("the largest is told");
+            for seed in 0..4 {
+                let scene = with(most, seed).expect("what is told is taken");
+                let built = crate::model::Model::build(&scene);
+                assert!(built.is_ok(), "{preset:?} {face_count_target} {seed}: {built:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn wrong_parameters_are_named_with_value_and_range() {
     type Spoil = fn(&mut ValveParameters);
