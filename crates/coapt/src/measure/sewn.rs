@@ -55,6 +55,10 @@ fn seams(model: &Model, s: &Surface, margin: &Margin) -> Vec<Seam> {
             continue;
         }
         let (from, to) = (a.min(b), a.max(b));
+        // Both ends are nearest to one vertex: the stitch holds no stretch of the margin.
+        if from == to {
+            continue;
+        }
         // Around the margin the other way the stitch would hold nearly all of it.
         let stitch = match margin.closed && 2 * (to - from) > count {
             true => [to, from + count],
@@ -165,6 +169,16 @@ mod tests {
             kind: ChordKind::Suture,
         }];
         model
+    }
+
+    /// Found by fuzzing: the stitch is at the first vertex of the margin.
+    #[test]
+    fn a_stitch_within_the_reach_of_one_vertex_holds_no_margin() {
+        let mut model = slit(0.4);
+        let first = model.margins[0].vertices[0];
+        model.chords.points = [vec![(first, 1.0)], vec![(first, 1.0)]].into();
+        let s = surface(&model, &model.rest_mm);
+        assert_eq!(free_margins(&model, &s), model.margins);
     }
 
     #[test]
