@@ -15,9 +15,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use coapt::scene::Fault;
+use sha2::{Digest, Sha256};
 
 mod owner;
-mod sha256;
 
 /// The list of a run's files with the checksum of each, in the folder of its results: files that do not fit it are of another
 /// run, or were changed since. `sha256sum --check SHA256SUMS` tells, and other systems have the like.
@@ -53,7 +53,7 @@ impl Batch {
         }
         let (temporary, mut file) = create_beside(path)?;
         self.staged.push([temporary, path.to_owned()]);
-        self.checksums.push(sha256::hexadecimal(bytes));
+        self.checksums.push(checksum(bytes));
         file.write_all(bytes)?;
         file.sync_all()
     }
@@ -196,6 +196,14 @@ pub fn write_text_atomically(path: &Path, bytes: &[u8]) -> std::result::Result<(
     let mut batch = Batch::default();
     batch.write(path, bytes)?;
     batch.finish()
+}
+
+/// As 64 hexadecimal digits.
+fn checksum(bytes: &[u8]) -> String {
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
 /// Writes texts as files of a folder, which is made if need be, in one [`Batch`] with its list.
