@@ -40,6 +40,10 @@ pub(crate) struct Arguments {
     /// Also write the closed leaflets of every alternative, to shapes/ in that folder
     #[arg(long, requires = "out")]
     shapes: bool,
+    /// Begin alternatives that differ from an earlier one in their last repair alone at its closed shape: to look through many, in a
+    /// fraction of the time; where they come to rest may depend a little on it
+    #[arg(long)]
+    warm: bool,
     /// Also relax every valve without pressure, for the orifice that it opens to; as `diastole = true` in the plan
     #[arg(long)]
     diastole: bool,
@@ -143,6 +147,7 @@ fn work(
         criteria: plan.ranked_by(),
         keep_positions: arguments.shapes || asked.sensitivities,
         diastole: asked.diastole,
+        warm: arguments.warm,
     };
     // First: it may be refused.
     let found = match &asked.search {

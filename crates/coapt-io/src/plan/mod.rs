@@ -177,6 +177,9 @@ pub struct Trust {
     pub max_penetration_mm: f64,
     /// Expected distance from an infinitely fine mesh, root mean square [mm].
     pub discretisation_mm: f64,
+    /// The number of the alternative at whose closed shape it began; absent where it began open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub begun_at: Option<usize>,
 }
 
 /// A plan in its file, to name lines in it.
@@ -294,6 +297,7 @@ fn closed(outcome: &Outcome) -> Closed {
             crossings: certificate.crossings.len(),
             max_penetration_mm: certificate.max_penetration_mm,
             discretisation_mm: certificate.discretisation_mm,
+            begun_at: outcome.begun_at.map(|number| number + 1),
         },
         measures: outcome.measures.clone(),
         regurgitant_volume_ml: outcome.regurgitant_volume_ml,

@@ -10,7 +10,7 @@ use super::{Closed, PlanReport};
 use crate::study::status_name;
 
 const COLUMNS: &str = "number,rank,name,certified,status,reason,residual,iterations,crossings,max_penetration_mm,\
-                       discretisation_mm";
+                       discretisation_mm,begun_at";
 
 /// A line per alternative, the best first, after one of number 0 for the valve as it is; columns with their names in the first
 /// line. A measure is called by its path in `plan.json`; what an alternative lacks is empty.
@@ -53,10 +53,10 @@ pub fn csv(report: &PlanReport) -> String {
 
 fn trust(closed: Option<&Closed>, faults: &[String]) -> String {
     let Some(Closed { solve, .. }) = closed else {
-        return format!("false,refused,{},,,,,", quoted(&faults.join("; ")));
+        return format!("false,refused,{},,,,,,", quoted(&faults.join("; ")));
     };
     format!(
-        "{},{},{},{:e},{},{},{},{}",
+        "{},{},{},{:e},{},{},{},{},{}",
         solve.certified,
         status_name(solve.status),
         quoted(&doubt(solve).unwrap_or_default()),
@@ -64,7 +64,8 @@ fn trust(closed: Option<&Closed>, faults: &[String]) -> String {
         solve.iterations,
         solve.crossings,
         solve.max_penetration_mm,
-        solve.discretisation_mm
+        solve.discretisation_mm,
+        solve.begun_at.map_or(String::new(), |number| number.to_string())
     )
 }
 

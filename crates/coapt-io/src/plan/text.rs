@@ -185,6 +185,16 @@ fn notes(out: &mut String, report: &PlanReport) {
                     areas are rather too small and gradients too high: they compare repairs, and are no mitral valve area";
         line(out, "open orifice", told);
     }
+    let closed = report.alternatives.iter().filter_map(|row| row.closed.as_ref());
+    let warm = closed.filter(|closed| closed.solve.begun_at.is_some()).count();
+    if warm > 0 {
+        let told = format!(
+            "{warm} of {} alternatives began at the closed shape of the first that differs in its last repair alone; begun open \
+             they may come to rest a little elsewhere: close the best again without --warm",
+            report.alternatives.len()
+        );
+        line(out, "warm", &told);
+    }
     if report.before.uncertainty.is_some() {
         let told = "like this one as far as an image tells: annulus, papillary tips, chordae, tissue and pressure vary by what is \
                     not known of them; what the model itself leaves out is not in it";
