@@ -1,6 +1,7 @@
 //! A valve with its repairs: the scene that it is from, and the model.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use coapt::mesh::parametric::{self, Preset, ValveParameters};
 use coapt::model::{Model, Untangled};
@@ -11,10 +12,10 @@ use coapt_io::plan::in_plan;
 use coapt_io::scene::{located, nearest, read_text, scene_file, scene_within, with_parameter};
 
 /// A valve ready to be closed.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Built {
-    pub(crate) scene: Scene,
-    pub(crate) source: Option<Source>,
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) source: Option<Arc<Source>>,
     pub(crate) repairs: Vec<Repair>,
     /// After the repairs.
     pub(crate) model: Model,
@@ -46,7 +47,7 @@ pub(crate) fn read(path: &Path, face_limit: Option<u32>) -> Result<Built, Vec<Fa
     let text = read_text(&path).map_err(|fault| vec![fault])?;
     let (scene, of_reading) = scene_within(&path, &text, face_limit)?;
     let name = path.display().to_string();
-    build(scene, Some(Source { name, text }), of_reading)
+    build(scene, Some(Arc::new(Source { name, text })), of_reading)
 }
 
 /// A parametric valve: a preset with some parameters replaced, by dotted keys.
@@ -76,7 +77,7 @@ pub(crate) fn generated(preset: &str, settings: &[(String, toml::Value)]) -> Res
 /// Builds a scene that is whole.
 pub(crate) fn build(
     scene: Scene,
-    source: Option<Source>,
+    source: Option<Arc<Source>>,
     of_reading: Vec<Fault>,
 ) -> Result<Built, Vec<Fault>> {
     let located = |fault: &Fault| match &source {
@@ -88,7 +89,7 @@ pub(crate) fn build(
         Ok(built) => {
             warnings.extend(built.warnings.iter().map(located));
             Ok(Built {
-                scene,
+                scene: Arc::new(scene),
                 source,
                 repairs: Vec::new(),
                 model: built.model,
@@ -120,12 +121,16 @@ impl Built {
             faults.map(|fault| named(refusal.repair, fault)).collect()
         })?;
         let doubts = warnings.iter().map(|(number, fault)| named(*number, fault));
+        // All but the model is small or shared: edits come many in a second.
         Ok(Self {
+            scene: Arc::clone(&self.scene),
+            source: self.source.clone(),
             repairs: self.repairs.iter().chain(repairs).cloned().collect(),
             model,
             reports: self.reports.iter().cloned().chain(reports).collect(),
+            of_reading: self.of_reading.clone(),
             warnings: self.warnings.iter().cloned().chain(doubts).collect(),
-            ..self.clone()
+            untangled: self.untangled.clone(),
         })
     }
 

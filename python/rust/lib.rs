@@ -6,11 +6,13 @@ mod arrays;
 mod built;
 mod closed;
 mod compare;
+mod curve;
 mod fault;
 mod live;
 mod plan;
 mod run;
 mod stored;
+mod study;
 mod table;
 mod valve;
 
@@ -24,14 +26,20 @@ mod _coapt {
     #[pymodule_export]
     use crate::compare::{Comparison, compare};
     #[pymodule_export]
+    use crate::curve::read_curve;
+    #[pymodule_export]
     use crate::live::Live;
     #[pymodule_export]
     use crate::plan::{Plan, plan_of_dict, plan_of_file};
+    #[pymodule_export]
+    use crate::study::{Study, study};
     #[pymodule_export]
     use crate::valve::{Valve, check_repair, close_many};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("STUDY_FACES", coapt_io::study::FACES)?;
+        module.add("STUDY_REFERENCE_FINER", coapt_io::study::REFERENCE_FINER)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -4,14 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use coapt::Vec3;
-use coapt::plan::{Comparison, Progress, Row, Settings, compare_watched, summaries};
+use coapt::plan::{Comparison, Row, Watch};
 use coapt::scene::Fault;
-use coapt_io::plan::{PlanFile, PlanReport, csv, found, in_plan, prepare_shapes, rates_of, text, write_plan};
-use coapt_io::scene::{Alternatives, alternatives_from_text, located, read_text};
+use coapt_io::plan::{self, PlanFile, PlanReport, csv, prepare_shapes, text, write_plan};
+use coapt_io::scene::{Alternatives, alternatives_from_text, read_text};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayon::prelude::*;
 
 use crate::arrays::out_points;
 use crate::built::Built;
@@ -117,7 +116,6 @@ impl Text {
     }
 }
 
-/// What `coapt plan` does, in the same order.
 fn carry_out(
     built: Arc<Built>,
     text: &Text,
@@ -125,85 +123,23 @@ fn carry_out(
     max_alternatives: u64,
     stop: &Stop,
 ) -> Result<Done, Vec<Fault>> {
-    let model = &built.model;
     let (plan, more) = alternatives_from_text(Path::new(&text.name), &text.text, max_alternatives)?;
     let warnings: Vec<Fault> = built.warnings.iter().cloned().chain(more).collect();
-    let asked = &plan.asked;
-    let settings = Settings {
-        criteria: plan.ranked_by(),
-        keep_positions: keep_shapes || asked.sensitivities,
-        diastole: asked.diastole,
-    };
-    // First: it may be refused.
-    let located = |faults: Vec<Fault>| -> Vec<Fault> {
-        faults
-            .iter()
-            .map(|fault| located(&text.name, &text.text, fault))
-            .collect()
-    };
-    let searched = match &asked.search {
-        Some(search) => Some(found(model, search, &|_| stop.flow()).map_err(located)?),
-        None => None,
-    };
-    let look = |_: &Progress| stop.flow();
-    let mut comparison = compare_watched(model, &plan.alternatives, &settings, &look);
-    let mut report = PlanReport::new(model, text.file(), &plan, &comparison, &warnings);
-    if report.all_refused() {
-        return Err(refusals(text, &plan, &comparison));
-    }
-    report.search = searched;
-    if let Some(sampling) = &asked.sampling {
-        report = report.with_ensembles(&summaries(
-            model,
-            &plan.alternatives,
-            &comparison,
-            sampling,
-            &look,
-        ));
-    }
-    if asked.sensitivities {
-        let of = |row: &Row| {
-            let outcome = row.result.as_ref().ok()?;
-            Some(rates_of(
-                model,
-                &plan.alternatives[row.alternative].repairs,
-                outcome,
-            ))
-        };
-        let before = rates_of(model, &[], &comparison.before);
-        let rows: Vec<_> = comparison.rows.par_iter().map(of).collect();
-        report = report.with_rates(&before, &rows);
-        if !keep_shapes {
-            let rows = comparison
-                .rows
-                .iter_mut()
-                .filter_map(|row| row.result.as_mut().ok());
-            rows.chain([&mut comparison.before])
-                .for_each(|outcome| outcome.positions_mm.clear());
-        }
-    }
+    let on_stage = |_, work: &mut dyn FnMut(Watch)| work(&|_| stop.flow());
+    let (report, comparison) = plan::carry_out(
+        &built.model,
+        text.file(),
+        &plan,
+        keep_shapes,
+        &warnings,
+        &on_stage,
+    )?;
     Ok(Done {
-        built: Arc::clone(&built),
+        built,
         plan,
         comparison,
         report,
     })
-}
-
-/// Why none could be carried out; the same fault once.
-fn refusals(text: &Text, plan: &Alternatives, comparison: &Comparison) -> Vec<Fault> {
-    let mut told: Vec<Fault> = Vec::new();
-    for row in &comparison.rows {
-        let Err(refusal) = &row.result else { continue };
-        let key = &plan.keys[row.alternative][refusal.repair];
-        for fault in &refusal.faults {
-            let fault = located(&text.name, &text.text, &in_plan(key, fault));
-            if !told.contains(&fault) {
-                told.push(fault);
-            }
-        }
-    }
-    told
 }
 
 #[pymethods]

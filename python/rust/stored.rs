@@ -3,6 +3,8 @@
 //! A valve is its scene and its repairs, of which the same model is built again; a result is that and what the solver found.
 //! Numbers of the solver are stored by their bits, since those of a valve that did not close may be undefined.
 
+use std::sync::Arc;
+
 use coapt::Vec3;
 use coapt::contact::crossing::Crossing;
 use coapt::relax::{Certificate, Equilibrium, Iteration, Status, Untangled};
@@ -99,8 +101,8 @@ fn stored(built: &Built) -> StoredValve {
     let words = |fault: &Fault| (fault.place.clone(), fault.message.clone());
     StoredValve {
         format: VALVE_FORMAT.to_owned(),
-        scene: built.scene.clone(),
-        source: built.source.clone(),
+        scene: Scene::clone(&built.scene),
+        source: built.source.as_deref().cloned(),
         of_reading: built.of_reading.iter().map(words).collect(),
         repairs: built.repairs.clone(),
     }
@@ -187,7 +189,7 @@ pub(crate) fn read_closed(bytes: &[u8]) -> Result<(Built, report::Closed), Vec<F
 fn rebuilt(stored: StoredValve) -> Result<Built, Vec<Fault>> {
     let warning = |(place, message): (String, String)| Fault::warning(place, message);
     let of_reading = stored.of_reading.into_iter().map(warning).collect();
-    build(stored.scene, stored.source, of_reading)?.repaired(&stored.repairs)
+    build(stored.scene, stored.source.map(Arc::new), of_reading)?.repaired(&stored.repairs)
 }
 
 fn read<T: DeserializeOwned>(bytes: &[u8], format: &str) -> Result<T, Vec<Fault>> {

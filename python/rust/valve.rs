@@ -92,7 +92,7 @@ impl Valve {
         papillary: Vec<MuscleArrays<'_>>,
         annulus_mm: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let scene = part_from_table("scene", table("scene", scene)?);
+        let scene = part_from_table("", table("scene", scene)?);
         let mut scene: Scene = scene.map_err(|faults| input_error(py, &faults))?;
         for (number, (part, arrays)) in scene.leaflets.iter_mut().zip(&leaflets).enumerate() {
             part.mesh = Some(surface_mesh(&format!("leaflets[{number}]"), arrays)?);
@@ -127,7 +127,7 @@ impl Valve {
         settings: &Bound<'_, PyDict>,
         contact: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        let mut scene = self.built.scene.clone();
+        let mut scene = Scene::clone(&self.built.scene);
         if let Some(pressure_mmhg) = pressure_mmhg {
             scene.load = Load::mmhg(pressure_mmhg);
         }

@@ -129,6 +129,17 @@ def test_curves_may_be_arrays():
         coapt.Ring(curve_mm=circle[:, :2])
 
 
+def test_curves_come_from_files(tmp_path):
+    valve = coapt.generate("healthy", faces=160)
+    coapt.closure(valve, coapt.Ring.physio_like(30)).write(tmp_path)
+    curve = coapt.read_curve(tmp_path / "after" / "ring.vtp")
+    assert curve.closed and curve.points_mm.shape[1] == 3
+    ring = coapt.Ring(curve_mm=curve.points_mm, closed=curve.closed, placed=True)
+    assert valve.with_repair(ring).close().certified
+    with pytest.raises(coapt.InputError, match="nowhere"):
+        coapt.read_curve(tmp_path / "nowhere.vtp")
+
+
 def test_files_are_told_by_line(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text('schema_version = 1\nname = "a"\nload = { pressure_mmgh = 100 }\n')

@@ -223,3 +223,19 @@ def test_surfaces_are_compared(healthy, closed, tmp_path):
         coapt.compare("nowhere.vtp", closed)
     with pytest.raises(coapt.InputError, match=r"result\[0\] is float32"):
         coapt.compare((arrays[0][0].astype(np.float32), healthy.triangles), closed)
+
+
+def test_studies_set_error_against_time(tmp_path):
+    done = coapt.study("healthy", faces=(160, 240), tolerances=(1e-2, 1e-5), thicknesses_mm=(), repeats=1)
+    assert len(done.rows) == 4 and all(row["certified"] for row in done.rows)
+    of = {(row["faces"], row["residual_tolerance"]): row["error"]["rms_mm"] for row in done.rows}
+    # A finer mesh is nearer to the reference, whatever the residual below a hundredth.
+    coarse, fine = sorted({faces for faces, _ in of})
+    assert of[fine, 1e-5] < of[coarse, 1e-5]
+    assert "<svg" in done._repr_svg_()
+    done.write(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["study.csv", "study.json", "study.svg"]
+    valve = coapt.generate("healthy", faces=160)
+    assert coapt.study(valve, tolerances=(1e-2,), thicknesses_mm=(0.8,), repeats=1).rows[1]["contact_thickness_mm"] == 0.8
+    # Two iterations lead to no reference.
+    assert coapt.study(valve.with_settings(coapt.Settings(iteration_limit=2)), repeats=1) is None

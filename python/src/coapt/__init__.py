@@ -16,6 +16,7 @@ Research use, not a medical device.
 from coapt._closed import NOTICE, Certificate, Closed, Closure, Iteration, closure
 from coapt._coapt import __version__
 from coapt._compare import Comparison, compare
+from coapt._curve import FileCurve, read_curve
 from coapt._errors import Fault, InputError
 from coapt._live import Live
 from coapt._measures import (
@@ -47,6 +48,7 @@ from coapt._repairs import (
     TransferChord,
 )
 from coapt._settings import Contact, Landmarks, Settings, Weld
+from coapt._study import StudyResult, study
 from coapt._tissue import (
     AnisotropicSprings,
     BilinearSprings,
@@ -92,6 +94,7 @@ __all__ = [
     "CutChord",
     "Exponential",
     "Fault",
+    "FileCurve",
     "InputError",
     "Iteration",
     "Landmarks",
@@ -113,6 +116,7 @@ __all__ = [
     "Settings",
     "SpringBranches",
     "StVenantKirchhoff",
+    "StudyResult",
     "SutureForces",
     "Tenting",
     "Tissue",
@@ -126,4 +130,6 @@ __all__ = [
     "generate",
     "load",
     "plan",
+    "read_curve",
+    "study",
 ]

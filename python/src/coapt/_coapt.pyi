@@ -14,6 +14,27 @@ _Points = NDArray[np.float64]
 _Indices = NDArray[np.uint32]
 _Given = NDArray[np.generic]
 
+__all__ = [
+    "STUDY_FACES",
+    "STUDY_REFERENCE_FINER",
+    "Closed",
+    "Comparison",
+    "Live",
+    "Plan",
+    "Study",
+    "Valve",
+    "__version__",
+    "check_repair",
+    "close_many",
+    "compare",
+    "plan_of_dict",
+    "plan_of_file",
+    "read_curve",
+    "study",
+]
+
+STUDY_FACES: list[int]
+STUDY_REFERENCE_FINER: int
 __version__: str
 
 @final
@@ -134,3 +155,20 @@ def plan_of_file(
 def plan_of_dict(
     valve: Valve, plan: dict[str, Value], keep_shapes: bool, max_alternatives: int
 ) -> Plan: ...
+
+@final
+class Study:
+    def csv(self) -> str: ...
+    def report_json(self) -> str: ...
+    def text(self) -> str: ...
+    def svg(self) -> str: ...
+    def write(self, folder: str | os.PathLike[str]) -> None: ...
+
+def study(
+    valves: Sequence[Valve],
+    reference: Valve,
+    tolerances: Sequence[float] | None,
+    thicknesses_mm: Sequence[float] | None,
+    repeats: int | None,
+) -> Study | None: ...
+def read_curve(path: str | os.PathLike[str]) -> tuple[_Points, bool, list[_Told]]: ...

@@ -105,8 +105,10 @@ mod tests {
         let mut expected = ValveParameters::default();
         expected.annulus.transverse_mm = 42.0;
         assert_eq!(with("annulus.transverse_mm", 42.0), Ok(expected));
-        let mut expected = ValveParameters::default();
-        expected.face_count_target = 900;
+        let expected = ValveParameters {
+            face_count_target: 900,
+            ..ValveParameters::default()
+        };
         assert_eq!(with("faces", 900.0), Ok(expected));
     }
 
