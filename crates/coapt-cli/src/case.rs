@@ -6,7 +6,7 @@ use clap::{Args, value_parser};
 use coapt::mesh::parametric::{self, Preset, ValveParameters};
 use coapt::model::{Built, Model};
 use coapt::scene::{Fault, Scene, Severity};
-use coapt_io::scene::{located, nearest, read_text, scene_within, sentence};
+use coapt_io::scene::{located, nearest, read_text, scene_file, scene_within, sentence};
 
 /// Faces of a preset that is closed without being written first: as many as the models of paper 003, so that an
 /// answer is there at once. `coapt generate` writes finer ones.
@@ -51,19 +51,6 @@ pub(crate) fn open(name: Option<&Path>, limit: SizeLimit) -> Result<Case, Vec<Fa
     match path.to_str().and_then(Preset::from_name) {
         Some(found) => preset(found, FACES_OF_A_PRESET, limit),
         None => Err(vec![not_found(path)]),
-    }
-}
-
-fn scene_file(path: &Path) -> PathBuf {
-    if !path.is_dir() {
-        return path.to_owned();
-    }
-    let json = path.join("scene.json");
-    let toml = path.join("scene.toml");
-    if json.exists() && !toml.exists() {
-        json
-    } else {
-        toml
     }
 }
 

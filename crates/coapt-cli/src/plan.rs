@@ -9,15 +9,10 @@ use std::time::{Duration, Instant};
 use clap::{Args, value_parser};
 use coapt::model::{Built, Model, size};
 use coapt::personalise::Watch;
-use coapt::plan::{Comparison, Progress, Row, Sampling, Settings, Summaries, compare_watched, summaries};
+use coapt::plan::{self, Progress};
 use coapt::scene::Fault;
-use coapt_io::plan::{
-    PlanFile, PlanReport, SearchReport, found, in_plan, prepare_shapes, rates_of, text, write_plan,
-};
-use coapt_io::scene::{
-    ALTERNATIVE_LIMIT, Alternatives, SAMPLE_LIMIT, Search, alternatives_from_text, located, read_text,
-};
-use rayon::prelude::*;
+use coapt_io::plan::{PlanFile, Stage, carry_out, prepare_shapes, text, write_plan};
+use coapt_io::scene::{ALTERNATIVE_LIMIT, Alternatives, SAMPLE_LIMIT, alternatives_from_text, read_text};
 
 use crate::case::{self, SizeLimit};
 use crate::closure::{Format, on_threads};
@@ -41,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "out")]
     shapes: bool,
     /// Begin alternatives that differ from an earlier one in their last repair alone at its closed shape: to look through many, in a
-    /// fraction of the time; where they come to rest may depend a little on it
+    /// fraction of the time; where they come to rest may depend a little on it; as `warm = true` in the plan
     #[arg(long)]
     warm: bool,
     /// Also relax every valve without pressure, for the orifice that it opens to; as `diastole = true` in the plan
@@ -75,7 +70,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let case = case::open(Some(&arguments.scene), arguments.limit)?;
     let plan_text = read_text(&arguments.plan).map_err(|fault| vec![fault])?;
-    let (mut plan, mut warnings) = read(&arguments.plan, &plan_text, arguments.max_alternatives)?;
+    let (mut alternatives, mut warnings) = read(&arguments.plan, &plan_text, arguments.max_alternatives)?;
     let Built {
         model,
         warnings: more,
@@ -89,17 +84,25 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
             prepare_shapes(folder).map_err(Failure::Outside)?;
         }
     }
-    ask(arguments, &mut plan)?;
+    ask(arguments, &mut alternatives)?;
     let name = arguments.plan.display().to_string();
     let file = PlanFile {
         name: &name,
         text: &plan_text,
     };
     let (report, comparison) = on_threads(arguments.threads, || {
-        work(arguments, &model, file, &plan, &warnings)
+        let on_stage = |stage, work: &mut dyn FnMut(plan::Watch)| staged(&model, stage, work);
+        Ok(carry_out(
+            &model,
+            file,
+            &alternatives,
+            arguments.shapes,
+            &warnings,
+            &on_stage,
+        )?)
     })?;
     if let Some(folder) = &arguments.out {
-        write_plan(folder, &report, &model, &plan, &comparison).map_err(Failure::Outside)?;
+        write_plan(folder, &report, &model, &alternatives, &comparison).map_err(Failure::Outside)?;
     }
     print(&match arguments.format {
         Format::Text => text(&report),
@@ -119,6 +122,7 @@ fn ask(arguments: &Arguments, plan: &mut Alternatives) -> Result<(), Failure> {
     let asked = &mut plan.asked;
     asked.diastole |= arguments.diastole;
     asked.sensitivities |= arguments.sensitivities;
+    asked.warm |= arguments.warm;
     if let Some(samples) = arguments.samples {
         asked.sampling.get_or_insert_default().samples = samples;
     }
@@ -134,45 +138,6 @@ fn ask(arguments: &Arguments, plan: &mut Alternatives) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Does all that is asked for.
-fn work(
-    arguments: &Arguments,
-    model: &Model,
-    file: PlanFile,
-    plan: &Alternatives,
-    warnings: &[Fault],
-) -> Result<(PlanReport, Comparison), Failure> {
-    let asked = &plan.asked;
-    let settings = Settings {
-        criteria: plan.ranked_by(),
-        keep_positions: arguments.shapes || asked.sensitivities,
-        diastole: asked.diastole,
-        warm: arguments.warm,
-    };
-    // First: it may be refused.
-    let found = match &asked.search {
-        Some(sought) => Some(search(model, file, sought)?),
-        None => None,
-    };
-    let count = plan.alternatives.len() + 1;
-    let mut comparison = timed(&format!("{count} closures"), || compare(model, plan, &settings));
-    let mut report = PlanReport::new(model, file, plan, &comparison, warnings);
-    if report.all_refused() {
-        return Err(all_faults(file, plan, &comparison).into());
-    }
-    report.search = found;
-    if let Some(sampling) = &asked.sampling {
-        report = report.with_ensembles(&sample(model, plan, &comparison, sampling));
-    }
-    if asked.sensitivities {
-        report = rated(report, model, plan, &comparison);
-        if !arguments.shapes {
-            forget_shapes(&mut comparison);
-        }
-    }
-    Ok((report, comparison))
-}
-
 /// Does something and says how long it took.
 fn timed<T>(what: &str, work: impl FnOnce() -> T) -> T {
     let begun = Instant::now();
@@ -181,48 +146,32 @@ fn timed<T>(what: &str, work: impl FnOnce() -> T) -> T {
     done
 }
 
-fn search(model: &Model, file: PlanFile, sought: &Search) -> Result<SearchReport, Vec<Fault>> {
-    let told = |faults: Vec<Fault>| {
-        let located = |fault: &Fault| located(file.name, file.text, fault);
-        faults.iter().map(located).collect::<Vec<_>>()
+/// Does a stage of the plan, counted, timed, and told where it is interrupted.
+fn staged(model: &Model, stage: Stage, work: &mut dyn FnMut(plan::Watch)) {
+    let (what, closures, name) = match stage {
+        Stage::Search => ("search".to_owned(), None, "the search"),
+        Stage::Alternatives(count) => (format!("{count} closures"), Some(count), "the alternatives"),
+        Stage::Samples(count) => (format!("{count} samples"), Some(count), "the samples"),
     };
-    timed("search", || {
-        watching("the search", |watch| found(model, sought, watch)).map_err(told)
-    })
+    timed(&what, || {
+        if let (Stage::Alternatives(_), Some(notice)) = (stage, size::notice(model.faces.len())) {
+            say(&format!("each closure: {notice} ..."));
+        }
+        let counter = closures.map(Counter::new);
+        watching(name, |watch| {
+            work(&|progress| match &counter {
+                Some(counter) => counted(progress, counter, watch),
+                None => iterated(progress, watch),
+            });
+        });
+    });
 }
 
-fn sample(model: &Model, plan: &Alternatives, comparison: &Comparison, sampling: &Sampling) -> Summaries {
-    let count = sampling.samples as usize * (sampling.count(comparison) + 1);
-    let counter = Counter::new(count);
-    timed(&format!("{count} samples"), || {
-        watching("the samples", |watch| {
-            summaries(model, &plan.alternatives, comparison, sampling, &|progress| {
-                counted(progress, &counter, watch)
-            })
-        })
-    })
-}
-
-/// The report with rates of each row.
-fn rated(report: PlanReport, model: &Model, plan: &Alternatives, comparison: &Comparison) -> PlanReport {
-    let of = |row: &Row| {
-        let outcome = row.result.as_ref().ok()?;
-        let repairs = &plan.alternatives[row.alternative].repairs;
-        Some(rates_of(model, repairs, outcome))
-    };
-    let before = rates_of(model, &[], &comparison.before);
-    let rows: Vec<_> = comparison.rows.par_iter().map(of).collect();
-    report.with_rates(&before, &rows)
-}
-
-/// Shapes that were kept for rates alone are not written.
-fn forget_shapes(comparison: &mut Comparison) {
-    let outcomes = comparison
-        .rows
-        .iter_mut()
-        .filter_map(|row| row.result.as_mut().ok());
-    for outcome in outcomes.chain([&mut comparison.before]) {
-        outcome.positions_mm.clear();
+/// Notes how far a closure of the search is.
+fn iterated(progress: &Progress, watch: Watch) -> ControlFlow<()> {
+    match progress {
+        Progress::Iterated(moment) => watch(moment),
+        Progress::Closed | Progress::Refused => ControlFlow::Continue(()),
     }
 }
 
@@ -239,19 +188,6 @@ fn read(path: &Path, text: &str, limit: u64) -> Result<(Alternatives, Vec<Fault>
     Ok((plan, warnings))
 }
 
-/// Closes all, and tells of it.
-fn compare(model: &Model, plan: &Alternatives, settings: &Settings) -> Comparison {
-    if let Some(notice) = size::notice(model.faces.len()) {
-        say(&format!("each closure: {notice} ..."));
-    }
-    let counter = Counter::new(plan.alternatives.len() + 1);
-    watching("the alternatives", |watch| {
-        compare_watched(model, &plan.alternatives, settings, &|progress| {
-            counted(progress, &counter, watch)
-        })
-    })
-}
-
 /// Notes what closes, for the line that counts and for an interruption.
 fn counted(progress: &Progress, counter: &Counter, watch: Watch) -> ControlFlow<()> {
     match progress {
@@ -262,29 +198,6 @@ fn counted(progress: &Progress, counter: &Counter, watch: Watch) -> ControlFlow<
     counter.step();
     ControlFlow::Continue(())
 }
-
-/// Why none could be carried out; the same fault of several alternatives once.
-fn all_faults(file: PlanFile, plan: &Alternatives, comparison: &Comparison) -> Vec<Fault> {
-    let mut faults: Vec<Fault> = Vec::new();
-    for row in &comparison.rows {
-        let Err(refusal) = &row.result else { continue };
-        let key = &plan.keys[row.alternative][refusal.repair];
-        for fault in &refusal.faults {
-            let fault = located(file.name, file.text, &in_plan(key, fault));
-            if faults.len() == MOST_FAULTS {
-                faults.push(Fault::error(file.name, "and more like these"));
-                return faults;
-            }
-            if !faults.contains(&fault) {
-                faults.push(fault);
-            }
-        }
-    }
-    faults
-}
-
-/// As many as of any other file.
-const MOST_FAULTS: usize = 20;
 
 /// How often the count is shown: more often nobody can read.
 const SHOW_EVERY: Duration = Duration::from_millis(100);

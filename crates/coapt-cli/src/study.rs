@@ -7,15 +7,11 @@ use std::time::Instant;
 
 use clap::builder::RangedI64ValueParser;
 use clap::{Args, value_parser};
-use coapt::measure::{VisibleDistance, visible_distance};
 use coapt::model::Model;
 use coapt::relax::Equilibrium;
 use coapt::scene::Fault;
 use coapt_io::atomic::make_folder;
-use coapt_io::report::NOTICE;
-use coapt_io::study::{
-    ERROR_MEANS, Factor, KNEE_MEANS, Reference, Row, STUDY_SCHEMA, Study, mark, text, write_study,
-};
+use coapt_io::study::{FACES, REFERENCE_FINER, Tried, carry_out, text, write_study};
 
 use crate::case::{self, Case, FACES_OF_A_PRESET, SizeLimit, Source};
 use crate::closure::on_threads;
@@ -57,15 +53,8 @@ pub(crate) struct Arguments {
     limit: SizeLimit,
 }
 
-/// From the coarsest mesh that still looks like a valve to the one at which the leaflets' folds are resolved.
-const FACES: [u32; 5] = [160, 320, 650, 1300, 2600];
 /// More triangles are generated for no valve.
 const MOST_FACES: u32 = 1_000_000;
-/// The reference mesh has this many times the triangles of the finest one: half its edge length, so that even the
-/// finest shows half of its own error or more.
-const REFERENCE_FINER: u32 = 4;
-/// Residuals of the reference, tightest first: rounding decides which is reached.
-const REFERENCE_TOLERANCES: [f64; 3] = [1e-10, 1e-8, 1e-6];
 /// Thicker contact than this [mm] would hold leaflets of any valve apart at rest.
 const THICKEST_MM: f64 = 5.0;
 
@@ -93,7 +82,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let (models, finest) = models(arguments)?;
     // Before minutes of work, not after.
     prepare(&arguments.out)?;
-    let Some(study) = on_threads(arguments.threads, || Ok(study(arguments, &models, &finest)))? else {
+    let tried = Tried {
+        tolerances: arguments.tolerance.clone(),
+        thicknesses_mm: arguments.thickness.clone(),
+        repeats: arguments.repeats,
+    };
+    let study = || Ok(carry_out(&models, &finest, &tried, &timed, &say));
+    let Some(study) = on_threads(arguments.threads, study)? else {
         say("error: no reference: the finest mesh did not close to a certified state at any residual");
         return Ok(Verdict::Uncertified);
     };
@@ -105,6 +100,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         true => Verdict::Done,
         false => Verdict::Uncertified,
     })
+}
+
+/// Closes a valve from its open state and takes the time [ms].
+fn timed(what: &str, model: &Model) -> (Equilibrium, f64) {
+    let start = Instant::now();
+    let closed = close_watched(what, model);
+    (closed, start.elapsed().as_secs_f64() * 1e3)
 }
 
 /// Makes the folder of results, to know before the work that it can be made.
@@ -120,9 +122,7 @@ pub(crate) fn prepare(folder: &Path) -> Result<(), Failure> {
 fn models(arguments: &Arguments) -> Result<(Vec<Model>, Model), Failure> {
     let (cases, finest) = cases(arguments, &FACES)?;
     let build = |case: &Case| -> Result<Model, Failure> { Ok(case::build(case)?.model) };
-    let mut models = cases.iter().map(build).collect::<Result<Vec<_>, _>>()?;
-    // Sizes aimed at are met roughly: two of them may be one mesh.
-    models.dedup_by_key(|model| model.faces.len());
+    let models = cases.iter().map(build).collect::<Result<Vec<_>, _>>()?;
     let finest = match finest {
         Some(finest) => build(&finest)?,
         None => models[0].clone(),
@@ -168,181 +168,4 @@ fn of_scene(arguments: &Arguments, case: Case) -> Result<(Vec<Case>, Option<Case
         }
     }
     Ok((vec![case], None))
-}
-
-/// All closures; nothing where the reference cannot be trusted.
-fn study(arguments: &Arguments, models: &[Model], finest: &Model) -> Option<Study> {
-    let (reference, exact) = reference(finest)?;
-    let closures: Vec<Closure> = settings(arguments, models)
-        .map(|setting| close(setting, arguments.repeats))
-        .collect();
-    let mut rows: Vec<Row> = closures
-        .iter()
-        .map(|closure| {
-            // Tolerances of a mesh come loosest first: its last closure of the grid is its tightest.
-            let tightest = closures.iter().rfind(|other| {
-                other.varied == Factor::MeshAndTolerance
-                    && other.model.faces.len() == closure.model.faces.len()
-            });
-            let own = tightest.and_then(|tightest| closure.distance(&tightest.model, &tightest.closed));
-            Row {
-                error: closure.distance(finest, &exact),
-                own_mesh_rms_mm: own.map(|own| own.rms_mm),
-                ..row(closure)
-            }
-        })
-        .collect();
-    mark(&mut rows);
-    Some(Study {
-        schema: STUDY_SCHEMA,
-        version: env!("CARGO_PKG_VERSION"),
-        notice: NOTICE,
-        error: ERROR_MEANS,
-        knee: KNEE_MEANS,
-        case: finest.name.clone(),
-        repeats: arguments.repeats,
-        reference,
-        rows,
-    })
-}
-
-/// The closure of the finest mesh to the tightest residual at which it is certified.
-fn reference(finest: &Model) -> Option<(Reference, Equilibrium)> {
-    REFERENCE_TOLERANCES.into_iter().find_map(|residual_tolerance| {
-        let faces = finest.faces.len();
-        say(&format!(
-            "reference: {faces} triangles, residual {residual_tolerance:e} ..."
-        ));
-        let model = with(finest, residual_tolerance, finest.contact.thickness_mm);
-        let exact = close_watched("the reference", &model);
-        let reference = Reference {
-            faces,
-            residual_tolerance,
-            residual: exact.certificate.residual,
-            contact_thickness_mm: model.contact.thickness_mm,
-        };
-        exact
-            .certificate
-            .is_certified(exact.status)
-            .then_some((reference, exact))
-    })
-}
-
-/// Every valve to be closed: each mesh at each tolerance, then the default one at other settings, one at a time.
-fn settings<'a>(
-    arguments: &'a Arguments,
-    models: &'a [Model],
-) -> impl Iterator<Item = (Factor, Model)> + use<'a> {
-    let tolerances = ascending(&arguments.tolerance);
-    let thicknesses = ascending(&arguments.thickness);
-    let grid = models.iter().flat_map(move |model| {
-        let at = |&tolerance: &f64| {
-            (
-                Factor::MeshAndTolerance,
-                with(model, tolerance, model.contact.thickness_mm),
-            )
-        };
-        tolerances.iter().rev().map(at).collect::<Vec<_>>()
-    });
-    let usual = models
-        .iter()
-        .min_by_key(|model| model.faces.len().abs_diff(FACES_OF_A_PRESET as usize));
-    let thicker = usual.into_iter().flat_map(move |model| {
-        let other = thicknesses.iter().filter(|&&mm| mm != model.contact.thickness_mm);
-        let at = |&mm: &f64| {
-            (
-                Factor::ContactThickness,
-                with(model, model.settings.residual_tolerance, mm),
-            )
-        };
-        other.map(at).collect::<Vec<_>>()
-    });
-    grid.chain(thicker)
-}
-
-fn ascending(values: &[f64]) -> Vec<f64> {
-    let mut values = values.to_vec();
-    values.sort_by(f64::total_cmp);
-    values.dedup();
-    values
-}
-
-fn with(model: &Model, residual_tolerance: f64, contact_thickness_mm: f64) -> Model {
-    let mut model = model.clone();
-    model.settings.residual_tolerance = residual_tolerance;
-    model.contact.thickness_mm = contact_thickness_mm;
-    model
-}
-
-/// A valve closed.
-struct Closure {
-    varied: Factor,
-    model: Model,
-    closed: Equilibrium,
-    /// Median of the repeats.
-    wall_ms: f64,
-}
-
-impl Closure {
-    fn distance(&self, other: &Model, closed: &Equilibrium) -> Option<VisibleDistance> {
-        let (here, there) = (&self.closed.state, &closed.state);
-        visible_distance(&self.model, &here.positions_mm, other, &there.positions_mm)
-    }
-}
-
-/// Closes a valve and tells of it; all repeats end in the same bytes, so the first is kept.
-fn close((varied, model): (Factor, Model), repeats: u16) -> Closure {
-    say(&format!(
-        "{} triangles, residual {:e}, contact thickness {} mm ...",
-        model.faces.len(),
-        model.settings.residual_tolerance,
-        model.contact.thickness_mm
-    ));
-    let (closed, wall_ms) = timed(&model, repeats);
-    Closure {
-        varied,
-        closed,
-        wall_ms,
-        model,
-    }
-}
-
-/// A valve closed, and the median time [ms].
-fn timed(model: &Model, repeats: u16) -> (Equilibrium, f64) {
-    let once = || {
-        let start = Instant::now();
-        let closed = close_watched("a setting", model);
-        (closed, start.elapsed().as_secs_f64() * 1e3)
-    };
-    let (closed, first_ms) = once();
-    let mut times_ms = vec![first_ms];
-    times_ms.extend((1..repeats).map(|_| once().1));
-    (closed, median(times_ms))
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    0.5 * (values[values.len() / 2] + values[(values.len() - 1) / 2])
-}
-
-/// A row but for its errors and its place among the others.
-fn row(closure: &Closure) -> Row {
-    let (model, closed) = (&closure.model, &closure.closed);
-    let certificate = &closed.certificate;
-    Row {
-        varied: closure.varied,
-        faces: model.faces.len(),
-        residual_tolerance: model.settings.residual_tolerance,
-        contact_thickness_mm: model.contact.thickness_mm,
-        status: closed.status,
-        certified: certificate.is_certified(closed.status),
-        residual: certificate.residual,
-        iterations: closed.history.len(),
-        crossings: certificate.crossings.len(),
-        wall_ms: closure.wall_ms,
-        error: None,
-        own_mesh_rms_mm: None,
-        on_front: false,
-        knee: false,
-    }
 }

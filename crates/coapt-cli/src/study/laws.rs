@@ -8,7 +8,8 @@ use coapt::scene::Leaflet;
 use coapt::tissue_fit::each_law::{Told, in_each_law};
 use coapt_io::report::NOTICE;
 use coapt_io::study::{
-    ERROR_OF_LAWS_MEANS, LAWS_SCHEMA, LawRow, LawStudy, MODEL_ERROR_MEANS, text_of_laws, write_laws,
+    ERROR_OF_LAWS_MEANS, LAWS_SCHEMA, LawRow, LawStudy, MODEL_ERROR_MEANS, median_time, text_of_laws,
+    write_laws,
 };
 
 use super::{Arguments, cases, prepare, timed};
@@ -66,7 +67,7 @@ fn study(
         let mut rows = Vec::new();
         for (mesh, case) in cases.iter_mut().enumerate() {
             let model = under(case, laws, number)?;
-            let (closed, wall_ms) = timed(&model, arguments.repeats);
+            let (closed, wall_ms) = median_time(&model, arguments.repeats, &timed);
             let closure = Closure { model, closed };
             let told = case
                 .scene

@@ -45,16 +45,26 @@ pub fn read_surface(
     within(announced_triangles(&path).unwrap_or(0))?;
     let (mesh, warnings) = read_mesh(&path)?;
     within(mesh.triangles.len() as u64)?;
-    let marks = |array: &str| marks(&mesh, array).map_err(|message| vec![Fault::error(&name, message)]);
-    let surface = ComparedSurface {
-        points_mm: mesh.points.iter().map(|&p| Vec3::from(p)).collect(),
-        faces: mesh.triangles.clone(),
-        face_cell: mesh.triangle_source.clone(),
-        contact: marks(contact_array)?,
-        annulus: marks(ANNULUS)?,
-        name: name.clone(),
-    };
-    Ok((ReadSurface { mesh, surface }, warnings))
+    Ok((ReadSurface::new(&name, mesh, contact_array)?, warnings))
+}
+
+impl ReadSurface {
+    /// A surface that need not be from a file, under any name; contact and annulus as of [`read_surface`].
+    ///
+    /// # Errors
+    /// An array of contact or annulus that does not have one finite number for each point.
+    pub fn new(name: &str, mesh: PolyData, contact_array: &str) -> Result<Self, Vec<Fault>> {
+        let marks = |array: &str| marks(&mesh, array).map_err(|message| vec![Fault::error(name, message)]);
+        let surface = ComparedSurface {
+            points_mm: mesh.points.iter().map(|&p| Vec3::from(p)).collect(),
+            faces: mesh.triangles.clone(),
+            face_cell: mesh.triangle_source.clone(),
+            contact: marks(contact_array)?,
+            annulus: marks(ANNULUS)?,
+            name: name.to_owned(),
+        };
+        Ok(Self { mesh, surface })
+    }
 }
 
 fn too_many(faces: u64, face_limit: u32) -> String {

@@ -8,6 +8,7 @@
 //! | `shapes/NUMBER_NAME.vtp` | the closed leaflets of each alternative, where asked for |
 
 mod below;
+mod carry_out;
 mod files;
 mod long;
 mod more;
@@ -27,6 +28,7 @@ use serde::Serialize;
 use crate::report::{MeshSize, NOTICE};
 use crate::scene::{Alternatives, locate, sentence};
 
+pub use carry_out::{OnStage, Stage, carry_out};
 pub use files::{prepare_shapes, write_plan};
 pub use long::{long_csv, units_csv};
 pub use more::{Open, Rate, RatesFound, Sampled, Sensitivities, rates_of};

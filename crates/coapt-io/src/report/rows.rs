@@ -2,7 +2,57 @@
 
 use coapt::measure::Measures;
 
-use super::Outcome;
+use super::{Outcome, Report};
+
+/// A row of a report's table, for whoever lays out a table of his own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableRow {
+    /// Heading of its group.
+    pub title: String,
+    /// What is measured.
+    pub name: String,
+    /// Its unit; empty for a count.
+    pub unit: String,
+    /// Digits after the decimal point: no more than a mesh of this kind can resolve.
+    pub digits: usize,
+    /// Without the plan; none of what only the plan brings, such as sutures.
+    pub before: Option<f64>,
+    /// With the plan; none without one.
+    pub after: Option<f64>,
+}
+
+/// The rows of the table that [`text`](super::text()) prints, in its order.
+pub fn rows(report: &Report) -> Vec<TableRow> {
+    let before = groups(&report.before);
+    let after = report.after.as_ref().map(groups);
+    let mut all = Vec::new();
+    for (number, group) in before.iter().enumerate() {
+        let later = after.as_ref().map_or(&[][..], |groups| &groups[number].rows);
+        let told = |row: &Row, before: Option<f64>, after: Option<f64>| TableRow {
+            title: group.title.to_owned(),
+            name: row.name.clone(),
+            unit: row.unit.to_owned(),
+            digits: row.digits,
+            before,
+            after,
+        };
+        let kept = group.rows.iter().enumerate().map(|(number, row)| {
+            let after = same_row(later, number, row).map(|row| row.value);
+            told(row, Some(row.value), after)
+        });
+        all.extend(kept);
+        let is_new = |(number, row): &(usize, &Row)| same_row(&group.rows, *number, row).is_none();
+        let new = later.iter().enumerate().filter(is_new);
+        all.extend(new.map(|(_, row)| told(row, None, Some(row.value))));
+    }
+    all
+}
+
+/// The row of that number if it has the same name, else one that has: a repair may add chordae and sutures.
+pub(super) fn same_row<'a>(rows: &'a [Row], number: usize, row: &Row) -> Option<&'a Row> {
+    let same = |other: &&Row| other.name == row.name;
+    rows.get(number).filter(same).or_else(|| rows.iter().find(same))
+}
 
 /// A row of the table.
 pub(super) struct Row {

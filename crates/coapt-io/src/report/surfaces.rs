@@ -113,7 +113,7 @@ fn stage_valve(batch: &mut Batch, folder: &Path, closed: &Closed) -> Result<(), 
     stage_vtp(batch, &folder.join("chords.vtp"), &lines)
 }
 
-/// Writes `closed.vtp` under any name, from positions of any source: the leaflets with what is known at every point.
+/// Writes [`closed_surface`] under any name.
 ///
 /// # Errors
 /// A position that is not finite, or what the file system says.
@@ -131,7 +131,8 @@ pub(crate) fn stage_closed_surface(
     stage_vtp(batch, path, &closed_surface(model, positions_mm))
 }
 
-fn closed_surface(model: &Model, positions_mm: &[Vec3]) -> PolyData {
+/// What `closed.vtp` holds, from positions of any source: the leaflets with what is known at every point.
+pub fn closed_surface(model: &Model, positions_mm: &[Vec3]) -> PolyData {
     let mut surface = leaflets(model, positions_mm);
     surface.point_arrays.extend(at_points(model, positions_mm));
     surface

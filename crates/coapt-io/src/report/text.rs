@@ -6,7 +6,7 @@ use coapt::relax::Status;
 use coapt::scene::{Readable, Settings};
 
 use super::repairs::repair_line;
-use super::rows::{Row, groups};
+use super::rows::{Row, groups, same_row};
 use super::{LeftOutReport, Report, Solve, UntangledReport};
 use crate::escape::escaped;
 
@@ -161,12 +161,6 @@ fn table(out: &mut String, report: &Report) {
             let _ = writeln!(out, "{}", new_row_line(row));
         }
     }
-}
-
-/// The row of that number if it has the same name, else one that has: a repair may add chordae and sutures.
-fn same_row<'a>(rows: &'a [Row], number: usize, row: &Row) -> Option<&'a Row> {
-    let same = |other: &&Row| other.name == row.name;
-    rows.get(number).filter(same).or_else(|| rows.iter().find(same))
 }
 
 /// A row of what only the repaired valve has.

@@ -11,20 +11,24 @@ mod files;
 mod frame;
 mod geometry;
 mod json_text;
+mod keyed;
 mod locate;
 mod missing_key;
 mod nearest;
+mod parameters;
 mod plan;
 mod write;
 mod wrong_type;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use coapt::scene::{Fault, Scene, Severity, Space};
 
 pub use document::{in_plain_words, read_text};
+pub use keyed::part_from_table;
 pub use locate::{locate, located, sentence};
 pub use nearest::nearest;
+pub use parameters::with_parameter;
 pub use plan::{
     ALTERNATIVE_LIMIT, Alternatives, Asked, Bound, SAMPLE_LIMIT, Search, alternative_from_text,
     alternatives_from_text, number_keys, plan_from_text, read_plan, with_number,
@@ -70,6 +74,20 @@ pub fn scene_within(
     fill(&mut scene, &mut files);
     files.judge_frames();
     finish(scene, &name, text, files)
+}
+
+/// The scene that a path means: itself, or of a folder `scene.toml`, or `scene.json` where only that is in it.
+pub fn scene_file(path: &Path) -> PathBuf {
+    if !path.is_dir() {
+        return path.to_owned();
+    }
+    let json = path.join("scene.json");
+    let toml = path.join("scene.toml");
+    if json.exists() && !toml.exists() {
+        json
+    } else {
+        toml
+    }
 }
 
 fn folder_of(path: &Path) -> &Path {

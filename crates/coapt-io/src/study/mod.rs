@@ -8,6 +8,7 @@
 //! | `laws.csv`, `laws.json` | of a study of laws: a line per closure; the same with the constants of each law |
 
 mod axis;
+mod carry_out;
 mod front;
 mod laws;
 mod plot;
@@ -22,6 +23,9 @@ use serde::Serialize;
 
 use crate::atomic::{file_fault, write_files};
 
+pub use carry_out::{
+    Close, FACES, REFERENCE_FINER, REPEATS, THICKNESSES_MM, TOLERANCES, Tried, carry_out, median_time,
+};
 pub use front::{front, knee, mark};
 pub use laws::{
     ERROR_OF_LAWS_MEANS, LAWS_SCHEMA, LawRow, LawStudy, MODEL_ERROR_MEANS, csv as csv_of_laws,

@@ -15,6 +15,8 @@ pub struct Asked {
     pub diastole: bool,
     /// Rates of the criteria with the numbers in the repairs.
     pub sensitivities: bool,
+    /// Whether alternatives may begin at each other's closed shapes ([`coapt::plan::Settings::warm`]).
+    pub warm: bool,
     /// Ensembles of valves like the given one.
     pub sampling: Option<Sampling>,
     /// The gentlest value that reaches a goal.

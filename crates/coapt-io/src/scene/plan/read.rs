@@ -88,6 +88,8 @@ struct PlanOfOne {
     #[serde(default)]
     sensitivities: bool,
     #[serde(default)]
+    warm: bool,
+    #[serde(default)]
     uncertainty: Option<SamplingKeys>,
     #[serde(default)]
     search: Option<SearchKeys>,
@@ -177,6 +179,7 @@ fn grouped(read: PlanOfOne, places: Vec<Place>) -> Document {
             // What ranks is computed.
             diastole: read.diastole || criteria.as_ref().is_some_and(ranks_open),
             sensitivities: read.sensitivities,
+            warm: read.warm,
             sampling: read.uncertainty.map(|keys| sampling(&keys).0),
             search: None,
         },

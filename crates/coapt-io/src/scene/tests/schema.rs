@@ -91,6 +91,11 @@ fn asked(properties: &mut Value) {
         "type": "boolean",
         "default": false
     });
+    properties["warm"] = json!({
+        "description": "Whether alternatives that differ from an earlier one in their last repair alone begin at its closed shape.",
+        "type": "boolean",
+        "default": false,
+    });
     properties["sensitivities"] = json!({
         "description": "Whether to tell how fast the criteria change with the numbers in the repairs and the length of the chordae.",
         "type": "boolean",

@@ -9,9 +9,11 @@ fn a_plan_asks_for_more_than_closures() {
     assert_eq!(none.asked, Asked::default());
     let ranked = made("[ranking]\ncriteria = [\"diastolic_orifice\"]\n");
     assert!(ranked.asked.diastole && !ranked.asked.sensitivities);
-    let all = made("diastole = true\nsensitivities = true\n[uncertainty]\nsamples = 7\npressure = 0\n");
+    let all = made(
+        "diastole = true\nsensitivities = true\nwarm = true\n[uncertainty]\nsamples = 7\npressure = 0\n",
+    );
     let sampling = all.asked.sampling.unwrap();
-    assert!(all.asked.diastole && all.asked.sensitivities);
+    assert!(all.asked.diastole && all.asked.sensitivities && all.asked.warm);
     assert_eq!(
         (sampling.samples, sampling.seed, sampling.alternatives),
         (7, 1, 5)

@@ -1,0 +1,45 @@
+//! The native half of the Python package `coapt`: conversions, no mechanics and no defaults of its own.
+//!
+//! `python/src/coapt` holds what people call; `_coapt.pyi` there says what is here, in Python's types.
+
+mod arrays;
+mod built;
+mod closed;
+mod compare;
+mod curve;
+mod fault;
+mod live;
+mod plan;
+mod run;
+mod stored;
+mod study;
+mod table;
+mod valve;
+
+/// What `coapt` is made of; call `coapt` instead.
+#[pyo3::pymodule]
+mod _coapt {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::closed::Closed;
+    #[pymodule_export]
+    use crate::compare::{Comparison, compare};
+    #[pymodule_export]
+    use crate::curve::read_curve;
+    #[pymodule_export]
+    use crate::live::Live;
+    #[pymodule_export]
+    use crate::plan::{Plan, plan_of_dict, plan_of_file};
+    #[pymodule_export]
+    use crate::study::{Study, study};
+    #[pymodule_export]
+    use crate::valve::{Valve, check_repair, close_many};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("STUDY_FACES", coapt_io::study::FACES)?;
+        module.add("STUDY_REFERENCE_FINER", coapt_io::study::REFERENCE_FINER)?;
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,167 @@
+//! `Live`: a closed valve whose ring is changed bit by bit, each closure beginning where the last one ended.
+//!
+//! The library's [`Interactive`] borrows its model. A thread of its own holds both, and is asked by messages; it dies with the
+//! handle. A forked child has no such thread: it gets a new one, which goes on from the last closed shape.
+
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use coapt::Vec3;
+use coapt::relax::{Equilibrium, Interactive};
+use coapt::scene::Fault;
+use coapt_io::report;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayon::ThreadPool;
+
+use crate::built::Built;
+use crate::closed::Closed;
+use crate::fault::{input_error, one_error};
+use crate::run::{Stop, pool, run, wait};
+use crate::valve::repairs_of;
+
+/// A closed valve that follows edits.
+#[pyclass(frozen, module = "coapt._coapt")]
+pub(crate) struct Live {
+    /// The valve without any edit; its supports are the same as with them.
+    base: Arc<Built>,
+    now: Mutex<Now>,
+}
+
+struct Now {
+    closed: Py<Closed>,
+    thread: Option<(u32, Sender<Request>)>,
+}
+
+/// New targets of the held vertices, and where to tell the outcome.
+struct Request {
+    targets_mm: Vec<Vec3>,
+    stop: Stop,
+    tell: Sender<Option<Answer>>,
+}
+
+type Answer = Result<(Equilibrium, f64), Fault>;
+
+#[pymethods]
+impl Live {
+    /// Goes on from a closed valve.
+    #[new]
+    fn new(closed: Bound<'_, Closed>) -> Self {
+        Self {
+            base: Arc::clone(&closed.get().inner.built),
+            now: Mutex::new(Now {
+                closed: closed.unbind(),
+                thread: None,
+            }),
+        }
+    }
+
+    /// The valve as it now is.
+    #[getter]
+    fn closed(&self, py: Python<'_>) -> Py<Closed> {
+        self.lock().closed.clone_ref(py)
+    }
+
+    /// Closes the valve again with these repairs instead of those of the last edit.
+    fn set(&self, py: Python<'_>, repairs: Vec<Bound<'_, PyDict>>) -> PyResult<Py<Closed>> {
+        let repairs = repairs_of(py, &repairs)?;
+        let base = Arc::clone(&self.base);
+        let repaired = run(py, move |_| base.repaired(&repairs))?;
+        let repaired = repaired.map_err(|faults| input_error(py, &faults))?;
+        if !changes_targets_only(&self.base, &repaired) {
+            let message = "changes more than where annulus and papillary tips end; expected rings and relocations of papillary \
+                           muscles (close a valve `with_repair` for all others)";
+            return Err(one_error(py, "repair", message));
+        }
+        let targets_mm = repaired
+            .model
+            .prescribed
+            .iter()
+            .map(|held| held.target_mm)
+            .collect();
+        let stop = Stop::default();
+        let (tell, told) = channel();
+        self.ask(
+            py,
+            Request {
+                targets_mm,
+                stop: stop.clone(),
+                tell,
+            },
+        )?;
+        let (equilibrium, wall_ms) = wait(py, &stop, told)?.map_err(|fault| input_error(py, &[fault]))?;
+        let closed = report::Closed {
+            model: repaired.model.clone(),
+            equilibrium,
+            wall_ms,
+        };
+        let closed = Py::new(py, Closed::new(Arc::new(repaired), closed))?;
+        self.lock().closed = closed.clone_ref(py);
+        Ok(closed)
+    }
+}
+
+impl Live {
+    /// Held for moments only, and with Python's lock held.
+    fn lock(&self) -> std::sync::MutexGuard<'_, Now> {
+        self.now.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn ask(&self, py: Python<'_>, request: Request) -> PyResult<()> {
+        let process = std::process::id();
+        let mut now = self.lock();
+        let thread = match now.thread.take() {
+            Some((of, thread)) if of == process => thread,
+            _ => begin(
+                Arc::clone(&self.base),
+                now.closed.get().inner.closed.equilibrium.clone(),
+                pool(py)?,
+            )?,
+        };
+        let sent = thread.send(request);
+        now.thread = Some((process, thread));
+        sent.map_err(|_| PyRuntimeError::new_err("the thread of this live valve is gone; make a new one"))
+    }
+}
+
+/// Whether two models differ in where their held vertices end and in nothing else that a closure would notice.
+fn changes_targets_only(before: &Built, after: &Built) -> bool {
+    let (before, after) = (&before.model, &after.model);
+    let held = |model: &coapt::model::Model| -> Vec<u32> {
+        model.prescribed.iter().map(|held| held.vertex).collect()
+    };
+    before.rest_mm == after.rest_mm
+        && before.faces == after.faces
+        && before.springs == after.springs
+        && before.chords.ends == after.chords.ends
+        && held(before) == held(after)
+}
+
+/// A thread that closes the valve as often as it is asked.
+fn begin(base: Arc<Built>, closed: Equilibrium, pool: Arc<ThreadPool>) -> PyResult<Sender<Request>> {
+    let (ask, asked) = channel();
+    std::thread::Builder::new()
+        .name("coapt live".into())
+        .spawn(move || serve(&base, &closed, &pool, &asked))
+        .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    Ok(ask)
+}
+
+fn serve(base: &Built, closed: &Equilibrium, pool: &ThreadPool, asked: &Receiver<Request>) {
+    let mut live = Interactive::new(&base.model, closed);
+    // Ends once the handle is gone. A panic ends it too, and whoever waits is told that nobody answers.
+    while let Ok(Request {
+        targets_mm,
+        stop,
+        tell,
+    }) = asked.recv()
+    {
+        let begun = Instant::now();
+        let closed = pool.install(|| live.close_watched(&targets_mm, |_| stop.flow()));
+        let wall_ms = begun.elapsed().as_secs_f64() * 1e3;
+        // Whoever was interrupted listens no more.
+        let _ = tell.send(Some(closed.map(|closed| (closed, wall_ms))));
+    }
+}

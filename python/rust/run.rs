@@ -1,0 +1,103 @@
+//! Work of the library without Python's lock, on threads of our own, stopped by Ctrl-C.
+//!
+//! Work runs on a pool of ours and never on rayon's global one: a pool does not survive a fork, and only our own can be made
+//! anew. The calling thread waits and asks for signals meanwhile; on Ctrl-C it raises `KeyboardInterrupt` at once, and the work
+//! ends at its next iteration with nobody listening.
+
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use rayon::ThreadPool;
+
+/// How often signals are asked for: a person does not feel it, and to ask costs a microsecond.
+const ASK_EVERY: Duration = Duration::from_millis(20);
+
+/// Tells work to stop.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Stop(Arc<AtomicBool>);
+
+impl Stop {
+    /// What a watcher of the library answers.
+    pub(crate) fn flow(&self) -> ControlFlow<()> {
+        match self.0.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+
+    fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Does work on the pool without Python's lock.
+///
+/// # Errors
+/// `KeyboardInterrupt`, or whatever a signal handler raises; `RuntimeError` if the library panics, which is a fault of its own.
+pub(crate) fn run<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce(&Stop) -> T + Send + 'static,
+) -> PyResult<T> {
+    let stop = Stop::default();
+    let (tell, told) = channel();
+    let of_worker = stop.clone();
+    pool(py)?.spawn(move || {
+        // A panic in a pool's thread would end the process.
+        let done = catch_unwind(AssertUnwindSafe(|| work(&of_worker)));
+        // Whoever was interrupted listens no more.
+        let _ = tell.send(done.ok());
+    });
+    wait(py, &stop, told)
+}
+
+/// Waits for an answer; none is a panic.
+pub(crate) fn wait<T: Send>(py: Python<'_>, stop: &Stop, told: Receiver<Option<T>>) -> PyResult<T> {
+    py.detach(move || {
+        loop {
+            match told.recv_timeout(ASK_EVERY) {
+                Ok(Some(done)) => return Ok(done),
+                Ok(None) | Err(RecvTimeoutError::Disconnected) => {
+                    let message = "coapt failed by a fault of its own; the details are on standard error";
+                    return Err(PyRuntimeError::new_err(message));
+                }
+                Err(RecvTimeoutError::Timeout) => {
+                    if let Err(raised) = Python::attach(|py| py.check_signals()) {
+                        stop.set();
+                        return Err(raised);
+                    }
+                }
+            }
+        }
+    })
+}
+
+/// The threads of a process, by its number. The lock is taken with Python's lock held only, as forks of Python are made: no
+/// child finds it taken by a thread that it does not have.
+static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+
+/// The pool of this process, made when first needed: as many threads as `RAYON_NUM_THREADS` says, else one per core.
+pub(crate) fn pool(_attached: Python<'_>) -> PyResult<Arc<ThreadPool>> {
+    let process = std::process::id();
+    let mut kept = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((of, pool)) = &*kept
+        && *of == process
+    {
+        return Ok(Arc::clone(pool));
+    }
+    let made = rayon::ThreadPoolBuilder::new()
+        .thread_name(|number| format!("coapt {number}"))
+        .build()
+        .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    let made = Arc::new(made);
+    if let Some((_, of_parent)) = kept.replace((process, Arc::clone(&made))) {
+        // Its threads are the parent's: to end it would be to wait for them for ever.
+        std::mem::forget(of_parent);
+    }
+    Ok(made)
+}

@@ -1,0 +1,135 @@
+"""How a mitral valve closes: before and after a repair, with a certificate that says how far to trust it.
+
+>>> import coapt
+>>> valve = coapt.generate("dilated", faces=160)
+>>> closed = valve.close()
+>>> repaired = valve.with_repair(coapt.Ring.physio_like(30)).close()
+>>> repaired.coaptation.length_mean_mm > closed.coaptation.length_mean_mm
+True
+
+Units are in the names: mm, N, MPa, mmHg. Coordinates are the patient's, LPS. Everything is frozen: repairs and settings make
+new valves. Wrong input raises :class:`InputError` with all its faults; not converging is a ``status`` of the result.
+
+Research use, not a medical device.
+"""
+
+from coapt._closed import NOTICE, Certificate, Closed, Closure, Iteration, closure
+from coapt._coapt import __version__
+from coapt._compare import Comparison, compare
+from coapt._curve import FileCurve, read_curve
+from coapt._errors import Fault, InputError
+from coapt._live import Live
+from coapt._measures import (
+    Annulus,
+    Billow,
+    ChordGroupForces,
+    Chords,
+    Coaptation,
+    LeafletMeasures,
+    Measures,
+    Orifice,
+    PapillaryForce,
+    SutureForces,
+    Tenting,
+)
+from coapt._plan import PlanResult, plan
+from coapt._repairs import (
+    Alfieri,
+    Augment,
+    Clip,
+    CloseCleft,
+    CutChord,
+    Neochord,
+    RelocatePapillary,
+    Repair,
+    Resect,
+    Ring,
+    Rupture,
+    TransferChord,
+)
+from coapt._settings import Contact, Landmarks, Settings, Weld
+from coapt._study import StudyResult, study
+from coapt._tissue import (
+    AnisotropicSprings,
+    BilinearSprings,
+    ChordCollagen,
+    ChordExponential,
+    ChordLaw,
+    ChordLinear,
+    ChordPiecewiseLinear,
+    ChordTable,
+    Exponential,
+    MayNewman,
+    SpringBranches,
+    StVenantKirchhoff,
+    Tissue,
+)
+from coapt._valve import ChordGroup, Leaflet, PapillaryMuscle, Valve, close_many, generate, load
+
+__all__ = [
+    "NOTICE",
+    "Alfieri",
+    "AnisotropicSprings",
+    "Annulus",
+    "Augment",
+    "BilinearSprings",
+    "Billow",
+    "Certificate",
+    "ChordCollagen",
+    "ChordExponential",
+    "ChordGroup",
+    "ChordGroupForces",
+    "ChordLaw",
+    "ChordLinear",
+    "ChordPiecewiseLinear",
+    "ChordTable",
+    "Chords",
+    "Clip",
+    "CloseCleft",
+    "Closed",
+    "Closure",
+    "Coaptation",
+    "Comparison",
+    "Contact",
+    "CutChord",
+    "Exponential",
+    "Fault",
+    "FileCurve",
+    "InputError",
+    "Iteration",
+    "Landmarks",
+    "Leaflet",
+    "LeafletMeasures",
+    "Live",
+    "MayNewman",
+    "Measures",
+    "Neochord",
+    "Orifice",
+    "PapillaryForce",
+    "PapillaryMuscle",
+    "PlanResult",
+    "RelocatePapillary",
+    "Repair",
+    "Resect",
+    "Ring",
+    "Rupture",
+    "Settings",
+    "SpringBranches",
+    "StVenantKirchhoff",
+    "StudyResult",
+    "SutureForces",
+    "Tenting",
+    "Tissue",
+    "TransferChord",
+    "Valve",
+    "Weld",
+    "__version__",
+    "close_many",
+    "closure",
+    "compare",
+    "generate",
+    "load",
+    "plan",
+    "read_curve",
+    "study",
+]

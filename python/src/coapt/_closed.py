@@ -1,0 +1,397 @@
+"""Closed valves: where they came to rest, how far to trust it, what they measure."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, cast, final
+
+import coapt._coapt as _core
+from coapt._arrays import FloatArray, IndexArray
+from coapt._measures import (
+    Annulus,
+    Billow,
+    Chords,
+    Coaptation,
+    LeafletMeasures,
+    Measures,
+    Orifice,
+    PapillaryForce,
+    SutureForces,
+    Tenting,
+    measures,
+)
+from coapt._plain import Json
+from coapt._repairs import Repair
+from coapt._valve import Valve
+
+if TYPE_CHECKING:
+    import matplotlib.figure
+    import numpy as np
+    import pandas
+    import pyvista
+    from numpy.typing import NDArray
+
+    from coapt._live import Live
+
+#: Stands in every report.
+NOTICE = "research use, not a medical device"
+
+Status = Literal["converged", "iteration-limit", "stalled", "burst", "tangled-start", "interrupted"]
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """How far a result can be trusted.
+
+    Attributes
+    ----------
+    certified : bool
+        Whether the result may be used: converged, stable, nothing crosses.
+    residual : float
+        Largest force left on a free vertex over the mean nodal pressure force [1].
+    stable : bool
+        Whether a small push is answered by a return.
+    crossings : ndarray of uint32, shape (n, 3)
+        Edges (two vertices) that pass through faces (a triangle's number), by exact arithmetic. Must be empty.
+    max_penetration_mm : float
+        How far mid-surfaces in contact are nearer than their contact distance, at most [mm].
+    max_penetration_at_mm : tuple of float or None
+        Where that is [mm]; None without contact.
+    discretisation_mm : float
+        Estimated distance of the visible surface from that of an infinitely fine mesh, root mean square [mm].
+    """
+
+    certified: bool
+    residual: float
+    stable: bool
+    crossings: IndexArray
+    max_penetration_mm: float
+    max_penetration_at_mm: tuple[float, float, float] | None
+    discretisation_mm: float
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """One iteration of the solver.
+
+    Attributes
+    ----------
+    residual : float
+        Residual before the step [1].
+    step_mm : float
+        Longest step of a vertex [mm].
+    damping : float
+        Added stiffness per area [MPa/mm].
+    fraction : float
+        Part of the step that was taken [1].
+    exact : bool
+        Whether the exact tangent was used.
+    faces : int
+        Triangles of the mesh that it worked on: the valve's own or a coarser one's.
+    """
+
+    residual: float
+    step_mm: float
+    damping: float
+    fraction: float
+    exact: bool
+    faces: int
+
+
+@final
+class Closed:
+    """A closed valve. It never changes. Made by :meth:`coapt.Valve.close`.
+
+    Research use, not a medical device: what is not ``certified`` is no prediction, and what is, is one of a model.
+    """
+
+    __slots__ = ("_native", "_report")
+    _native: _core.Closed
+    _report: dict[str, Any] | None
+
+    def __init__(self) -> None:
+        raise TypeError("a Closed is made by closing a valve: Valve.close()")
+
+    @classmethod
+    def _of(cls, made: _core.Closed) -> Closed:
+        closed = cls.__new__(cls)
+        object.__setattr__(closed, "_native", made)
+        object.__setattr__(closed, "_report", None)
+        return closed
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a result does not change; cannot set {name!r}")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a result does not change; cannot delete {name!r}")
+
+    def __reduce__(self) -> tuple[object, tuple[bytes]]:
+        return closed_of_bytes, (self._native.stored(),)
+
+    def __repr__(self) -> str:
+        trust = "certified" if self.certified else f"NOT certified ({self.status})"
+        return f"<coapt.Closed {self.valve.name!r}: {trust}, orifice {self.orifice.area_mm2:.1f} mm²>"
+
+    def _repr_html_(self) -> str:
+        from coapt._html import page
+
+        return page(str(self.valve.name), [("", self)], self._native.rows(None))
+
+    def text(self) -> str:
+        """The report as ``coapt closure`` prints it: certificate, table, warnings, notice."""
+        return self._native.text(None)
+
+    @property
+    def valve(self) -> Valve:
+        """The valve that was closed, with its repairs."""
+        return Valve._of(self._native.valve)
+
+    @property
+    def status(self) -> Status:
+        """Why the solver stopped. Not converging is a status, not an error."""
+        return cast(Status, self._native.status)
+
+    @property
+    def certified(self) -> bool:
+        """Whether the result may be used: converged, stable, nothing crosses."""
+        return self._native.certified
+
+    @property
+    def certificate(self) -> Certificate:
+        """How far the result can be trusted."""
+        return Certificate(self.certified, *self._native.certificate())
+
+    @property
+    def history(self) -> tuple[Iteration, ...]:
+        """What happened, iteration by iteration."""
+        return tuple(Iteration(*parts) for parts in self._native.history())
+
+    @property
+    def wall_ms(self) -> float:
+        """Wall-clock time of the closure [ms]."""
+        return self._native.wall_ms
+
+    @property
+    def positions_mm(self) -> FloatArray:
+        """Closed positions of all vertices [mm], LPS, shape (n, 3), read-only; the order is that of ``valve.points_mm``."""
+        return self._native.positions_mm
+
+    @property
+    def triangles(self) -> IndexArray:
+        """Triangles of all leaflets, shape (m, 3), read-only; normals to the atrium."""
+        return self.valve.triangles
+
+    @property
+    def reactions_n(self) -> FloatArray:
+        """Force of the valve on its support at each vertex [N], zero at free ones, shape (n, 3), read-only."""
+        return self._native.reactions_n
+
+    @property
+    def gap_mm(self) -> FloatArray:
+        """Distance of each leaflet vertex to the opposite leaflet [mm], shape (leaflet vertices,), read-only."""
+        return self._native.at_points()[0]
+
+    @property
+    def in_contact(self) -> NDArray[np.bool_]:
+        """Whether tissue touches tissue at each leaflet vertex, shape (leaflet vertices,), read-only."""
+        return self._native.at_points()[1]
+
+    @property
+    def strain(self) -> FloatArray:
+        """Mean strain of the edges at each leaflet vertex [mm/mm], shape (leaflet vertices,), read-only."""
+        return self._native.at_points()[2]
+
+    @property
+    def chords(self) -> tuple[FloatArray, IndexArray]:
+        """Ends of the chord segments [mm], shape (n, 3), and the segments, shape (m, 2); read-only."""
+        return self._native.chords()
+
+    @property
+    def chord_forces_n(self) -> FloatArray:
+        """Tension of each chord segment [N], shape (m,), read-only."""
+        return self._native.chord_forces_n()
+
+    @property
+    def measures(self) -> Measures:
+        """Everything that is measured. Computed when first asked for."""
+        return measures(self._told()["before"])
+
+    @property
+    def annulus(self) -> Annulus:
+        """Size and shape of the annulus."""
+        return self.measures.annulus
+
+    @property
+    def coaptation(self) -> Coaptation:
+        """How far the leaflets lie on each other."""
+        return self.measures.coaptation
+
+    @property
+    def orifice(self) -> Orifice:
+        """What is left open."""
+        return self.measures.orifice
+
+    @property
+    def tenting(self) -> Tenting:
+        """The closed leaflets below the annular surface."""
+        return self.measures.tenting
+
+    @property
+    def billow(self) -> Billow:
+        """The closed leaflets above the annular surface."""
+        return self.measures.billow
+
+    @property
+    def leaflets(self) -> tuple[LeafletMeasures, ...]:
+        """Areas and strains of each leaflet."""
+        return self.measures.leaflets
+
+    @property
+    def chord_tensions(self) -> Chords:
+        """Chordal tensions, of all and of each group."""
+        return self.measures.chords
+
+    @property
+    def sutures(self) -> tuple[SutureForces, ...]:
+        """Tensions of what holds the leaflets together."""
+        return self.measures.sutures
+
+    @property
+    def papillary(self) -> tuple[PapillaryForce, ...]:
+        """Forces on the papillary muscles."""
+        return self.measures.papillary
+
+    @property
+    def annulus_force_n(self) -> tuple[float, float, float]:
+        """Force of the valve on the whole annulus [N], LPS."""
+        return self.measures.annulus_force_n
+
+    def to_dict(self) -> dict[str, Json]:
+        """The report as ``report.json`` holds it; units are in the names."""
+        return cast("dict[str, Json]", json.loads(self._native.report_json(None)))
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The table of the report: title, measure, unit, value; needs pandas."""
+        from coapt._tables import of_rows
+
+        return of_rows(self._native.rows(None), ["value"])
+
+    def write(self, folder: str | os.PathLike[str]) -> None:
+        """Writes what ``coapt closure --out`` writes: ``report.json``, ``open.vtp``, ``closed.vtp``, chordae.
+
+        Raises
+        ------
+        OSError
+            What the file system says.
+        """
+        self._native.write(folder, None)
+
+    def interactive(self) -> Live:
+        """To be edited as by a slider: see :class:`coapt.Live`."""
+        from coapt._live import Live
+
+        return Live(self)
+
+    def to_pyvista(self) -> pyvista.PolyData:
+        """The closed leaflets with what is known at every point, as in ``closed.vtp``; needs PyVista."""
+        from coapt._pyvista import closed_leaflets
+
+        return closed_leaflets(self)
+
+    def chords_to_pyvista(self) -> pyvista.PolyData:
+        """The chordae with ``force_n`` of each segment; needs PyVista."""
+        from coapt._pyvista import closed_chords
+
+        return closed_chords(self)
+
+    def plot(
+        self, *, color_by: Literal["gap_mm", "contact", "strain", "leaflet"] = "gap_mm"
+    ) -> matplotlib.figure.Figure:
+        """A picture from the atrium and one from the front; needs Matplotlib."""
+        from coapt._pictures import picture
+
+        return picture(self, color_by)
+
+    def _told(self) -> dict[str, Any]:
+        if self._report is None:
+            object.__setattr__(self, "_report", json.loads(self._native.report_json(None)))
+        return cast("dict[str, Any]", self._report)
+
+
+def closed_of_bytes(stored: bytes) -> Closed:
+    """A pickled result."""
+    return Closed._of(_core.Closed.from_stored(stored))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Closure:
+    """A valve closed as it is, and closed again after a plan: what ``coapt closure`` reports.
+
+    Attributes
+    ----------
+    before : Closed
+        Without the repairs.
+    after : Closed or None
+        With them; None where there are none.
+    """
+
+    before: Closed
+    after: Closed | None
+
+    @property
+    def certified(self) -> bool:
+        """Whether all that was computed may be used."""
+        return self.before.certified and (self.after is None or self.after.certified)
+
+    def __repr__(self) -> str:
+        return f"<coapt.Closure before: {self.before!r}, after: {self.after!r}>"
+
+    def text(self) -> str:
+        """The report as ``coapt closure`` prints it: certificates, table, warnings, notice."""
+        return self.before._native.text(self._after())
+
+    def _repr_html_(self) -> str:
+        from coapt._html import page
+
+        states = [("before", self.before)] + ([] if self.after is None else [("after", self.after)])
+        return page(self.before.valve.name, states, self.before._native.rows(self._after()))
+
+    def to_dict(self) -> dict[str, Json]:
+        """The report as ``report.json`` holds it; units are in the names."""
+        return cast("dict[str, Json]", json.loads(self.before._native.report_json(self._after())))
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The table of the report: title, measure, unit, before, after; needs pandas."""
+        from coapt._tables import of_rows
+
+        return of_rows(self.before._native.rows(self._after()), ["before", "after"])
+
+    def write(self, folder: str | os.PathLike[str]) -> None:
+        """Writes what ``coapt closure --plan PLAN --out`` writes.
+
+        Raises
+        ------
+        OSError
+            What the file system says.
+        """
+        self.before._native.write(folder, self._after())
+
+    def _after(self) -> _core.Closed | None:
+        return None if self.after is None else self.after._native
+
+
+def closure(valve: Valve, *repairs: Repair) -> Closure:
+    """Closes a valve as it is and, where there are repairs, after them, side by side: ``coapt closure``.
+
+    Raises
+    ------
+    InputError
+        Why a repair cannot be carried out; before anything is closed.
+    KeyboardInterrupt
+        Within 0.2 s of Ctrl-C.
+    """
+    valves = [valve] if not repairs else [valve, valve.with_repair(*repairs)]
+    closed = [Closed._of(made) for made in _core.close_many([one._native for one in valves])]
+    return Closure(closed[0], closed[1] if repairs else None)

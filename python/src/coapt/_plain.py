@@ -1,0 +1,70 @@
+"""What repairs, tissues and settings have in common: plain frozen data that scenes and plans are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from typing import TYPE_CHECKING, ClassVar, TypeAlias, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    # Of every type checker; Python itself has it from 3.11 on.
+    from typing_extensions import Self
+
+#: What a scene or a plan may hold.
+Value: TypeAlias = Union[bool, int, float, str, Sequence["Value"], Mapping[str, "Value"]]
+
+#: What a report holds.
+Json: TypeAlias = Union[None, bool, int, float, str, list["Json"], dict[str, "Json"]]
+
+#: A point or a vector in space [mm].
+Vector: TypeAlias = Sequence[float]
+
+#: A curve in space [mm], shape ``(n, 3)``.
+Curve: TypeAlias = Union[Sequence[Vector], NDArray[np.float64]]
+
+
+class PlainData:
+    """Frozen data with the keys of a scene or a plan. What is left out is as usual; see each key."""
+
+    __slots__ = ()
+
+    #: Key and value that tell kinds apart, where there are several.
+    _TAG: ClassVar[tuple[str, str] | None] = None
+    #: Keys that hold a list of points, shape ``(n, 3)``, or one.
+    _POINTS: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        for key in self._POINTS:
+            value = getattr(self, key)
+            if value is not None:
+                # Tuples are frozen too, and can be compared.
+                object.__setattr__(self, key, _frozen(value))
+        self._check()
+
+    def _check(self) -> None:
+        """Refuses what the type in the library refuses; by default left to whoever takes it."""
+
+    def to_dict(self) -> dict[str, Value]:
+        """The keys and values of a scene or a plan; what was left out is left out."""
+        made: dict[str, Value] = {}
+        if self._TAG is not None:
+            key, name = self._TAG
+            made[key] = name
+        for field in fields(self):  # type: ignore[arg-type]  # every subclass is a dataclass
+            value = getattr(self, field.name)
+            if value is not None:
+                made[field.name] = value.to_dict() if isinstance(value, PlainData) else value
+        return made
+
+    def replace(self, **changes: Value | PlainData | None) -> Self:
+        """The same with some keys changed."""
+        kept = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        return type(self)(**{**kept, **changes})
+
+
+def _frozen(value: Curve | Vector) -> tuple[float | tuple[float, ...], ...]:
+    rows = value.tolist() if isinstance(value, np.ndarray) else value
+    return tuple(tuple(row) if isinstance(row, (Sequence, np.ndarray)) else row for row in rows)

@@ -1,0 +1,143 @@
+"""Many surgical alternatives for one valve."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, TypeAlias, Union, cast, final
+
+import coapt._coapt as _core
+from coapt._arrays import FloatArray
+from coapt._plain import Json, Value
+from coapt._repairs import Repair
+from coapt._valve import SCHEMA_VERSION, Valve
+
+if TYPE_CHECKING:
+    import pandas
+
+#: Repairs of one alternative.
+Repairs: TypeAlias = Union[Repair, Sequence[Repair]]
+
+
+@final
+class PlanResult:
+    """Alternatives closed and ranked. Made by :func:`coapt.plan`.
+
+    What is not certified is never ranked. Research use, not a medical device.
+    """
+
+    __slots__ = ("_native",)
+    _native: _core.Plan
+
+    def __init__(self) -> None:
+        raise TypeError("a PlanResult is made by comparing alternatives: coapt.plan()")
+
+    @classmethod
+    def _of(cls, made: _core.Plan) -> PlanResult:
+        result = cls.__new__(cls)
+        object.__setattr__(result, "_native", made)
+        return result
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a result does not change; cannot set {name!r}")
+
+    def __repr__(self) -> str:
+        return f"<coapt.PlanResult of {len(self.alternatives)} alternatives>"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        return f"<pre>{escape(self.text())}</pre>"
+
+    @property
+    def certified(self) -> bool:
+        """Whether all that was computed may be used."""
+        return self._native.certified
+
+    @property
+    def alternatives(self) -> tuple[dict[str, Json], ...]:
+        """Each alternative as ``plan.json`` tells it: ranked ones first, the best first; then what closed without a
+        certificate; then what could not be carried out."""
+        return tuple(cast("list[dict[str, Json]]", self.to_dict()["alternatives"]))
+
+    @property
+    def positions_mm(self) -> tuple[FloatArray | None, ...]:
+        """Closed positions of each alternative [mm], shape (n, 3), read-only; None unless ``keep_shapes``, or refused."""
+        return tuple(self._native.positions_mm())
+
+    def text(self) -> str:
+        """The table as ``coapt plan`` prints it."""
+        return self._native.text()
+
+    def to_dict(self) -> dict[str, Json]:
+        """The report as ``plan.json`` holds it; units are in the names."""
+        return cast("dict[str, Json]", json.loads(self._native.report_json()))
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A row per alternative, a column per measure, as ``plan.csv``; needs pandas."""
+        from coapt._tables import of_csv
+
+        return of_csv(self._native.csv())
+
+    def write(self, folder: str | os.PathLike[str]) -> None:
+        """Writes what ``coapt plan --out`` writes; closed shapes if they were kept.
+
+        Raises
+        ------
+        OSError
+            What the file system says.
+        """
+        self._native.write(folder)
+
+
+def plan(
+    valve: Valve,
+    alternatives: str | os.PathLike[str] | Mapping[str, Value] | Sequence[Repairs],
+    *,
+    keep_shapes: bool = False,
+    max_alternatives: int = 10_000,
+) -> PlanResult:
+    """Closes a valve as it is and after each alternative, each from the open valve, and ranks the alternatives.
+
+    Parameters
+    ----------
+    valve : Valve
+        The valve before any of these repairs.
+    alternatives : path, mapping, or sequence
+        A plan file; a mapping with the keys of one (lists and ranges of values, ``uncertainty``, ``search``,
+        ``sensitivities``, ``ranking`` as there); or a sequence with a repair, or a sequence of repairs, for each alternative.
+    keep_shapes : bool
+        Whether closed shapes are kept: of thousands of large valves they fill the memory.
+    max_alternatives : int
+        Refuse plans of more alternatives, before any is made.
+
+    Raises
+    ------
+    InputError
+        A plan that cannot be read; alternatives none of which can be carried out.
+    KeyboardInterrupt
+        Within 0.2 s of Ctrl-C.
+
+    Examples
+    --------
+    >>> import coapt
+    >>> valve = coapt.generate("dilated", faces=160)
+    >>> sizes = [coapt.Ring.physio_like(size) for size in (28, 32)]
+    >>> len(coapt.plan(valve, sizes).alternatives)
+    2
+    """
+    if isinstance(alternatives, (str, os.PathLike)):
+        made = _core.plan_of_file(valve._native, alternatives, keep_shapes, max_alternatives)
+    else:
+        keys = _keys(alternatives)
+        made = _core.plan_of_dict(valve._native, keys, keep_shapes, max_alternatives)
+    return PlanResult._of(made)
+
+
+def _keys(alternatives: Mapping[str, Value] | Sequence[Repairs]) -> dict[str, Value]:
+    if isinstance(alternatives, Mapping):
+        return {"schema_version": SCHEMA_VERSION, **alternatives}
+    each = [[it] if not isinstance(it, Sequence) else list(it) for it in alternatives]
+    blocks = [{"repair": [repair.to_dict() for repair in repairs]} for repairs in each]
+    return {"schema_version": SCHEMA_VERSION, "alternative": cast("list[Value]", blocks)}

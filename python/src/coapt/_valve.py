@@ -1,0 +1,502 @@
+"""Valves: read, generated or made from arrays; repaired and closed."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, cast, final
+
+import coapt._coapt as _core
+from coapt._arrays import FloatArray, GivenIndices, IndexArray
+from coapt._errors import Fault, fault_of
+from coapt._plain import Json, PlainData, Value
+from coapt._repairs import Repair
+from coapt._settings import Contact, Landmarks, Settings, Weld
+from coapt._tissue import ChordLaw, Tissue
+
+if TYPE_CHECKING:
+    import pyvista
+
+    from coapt._closed import Closed
+    from coapt._live import Live
+
+Preset = Literal["healthy", "dilated", "flail", "barlow", "restricted"]
+
+SCHEMA_VERSION = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Leaflet:
+    """One leaflet: its open shape, which is also its unloaded shape, and its tissue.
+
+    Parameters
+    ----------
+    name : str
+        Name in reports; ``anterior`` and ``posterior`` also orient the landmarks.
+    points_mm : ndarray of float64, shape (n, 3)
+        Points of the open, unloaded surface [mm], C-contiguous.
+    triangles : ndarray of int32, int64, uint32 or uint64, shape (m, 3)
+        Triangles as point numbers from 0, C-contiguous.
+    annulus_points : ndarray of such integers, shape (k,), optional
+        Points on the annulus. Left out of all leaflets: found geometrically, or by ``annulus_mm`` of the valve.
+    annulus_displacement_mm : ndarray of float64, shape (n, 3), optional
+        Prescribed motion of annulus points from the open to the closed phase [mm]; other rows are ignored.
+    thickness_mm : float, optional
+        Tissue thickness [mm]. Default: 1.
+    tissue : Tissue, optional
+        The stress-strain law. Default: ``BilinearSprings()``.
+    """
+
+    name: str
+    points_mm: FloatArray = field(repr=False)
+    triangles: GivenIndices = field(repr=False)
+    annulus_points: GivenIndices | None = field(default=None, repr=False)
+    annulus_displacement_mm: FloatArray | None = field(default=None, repr=False)
+    thickness_mm: float | None = None
+    tissue: Tissue | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class ChordGroup:
+    """Chordae of one kind: tension-only rods. A chord may branch and may be a polyline of several segments.
+
+    Parameters
+    ----------
+    name : str
+        Name in reports, for example ``marginal``.
+    points_mm : ndarray of float64, shape (n, 3)
+        Points in the open phase [mm]. An end is welded to the papillary tip, leaflet point or chord end that it lies on.
+    segments : ndarray of int32, int64, uint32 or uint64, shape (m, 2)
+        Segments as point numbers from 0.
+    rest_length_mm : ndarray of float64, shape (m,), optional
+        Unloaded length of each segment [mm]. Default: its length in the open phase.
+    area_mm2 : ndarray of float64, shape (m,), optional
+        Cross-section of each segment [mm²]. Default: from ``diameter_mm``.
+    diameter_mm : float, optional
+        Rod diameter [mm]. Default: 1.
+    modulus_mpa : float, optional
+        Young's modulus of a linear law [MPa], instead of ``law``. Default: 30.
+    law : ChordLaw, optional
+        The stress-strain law, instead of ``modulus_mpa``.
+    rest_length_scale : float, optional
+        Factor on all rest lengths [1]. Default: 1.
+    insertion_radius_mm : float, optional
+        Leaflet tissue this near an insertion shares the chord's pull [mm]. Default: 1.5.
+    """
+
+    name: str
+    points_mm: FloatArray = field(repr=False)
+    segments: GivenIndices = field(repr=False)
+    rest_length_mm: FloatArray | None = field(default=None, repr=False)
+    area_mm2: FloatArray | None = field(default=None, repr=False)
+    diameter_mm: float | None = None
+    modulus_mpa: float | None = None
+    law: ChordLaw | None = None
+    rest_length_scale: float | None = None
+    insertion_radius_mm: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class PapillaryMuscle:
+    """A papillary muscle: one or several tips.
+
+    Parameters
+    ----------
+    name : str
+        Name in reports, for example ``anterolateral``.
+    tips_mm : ndarray of float64, shape (n, 3)
+        Tips in the open phase [mm].
+    displacements_mm : ndarray of float64, shape (n, 3), optional
+        Prescribed motion of each tip to the closed phase [mm]. Default: the tips stay.
+    """
+
+    name: str
+    tips_mm: FloatArray = field(repr=False)
+    displacements_mm: FloatArray | None = field(default=None, repr=False)
+
+
+@final
+class Valve:
+    """A mitral valve, open, with what was done to it. It never changes: repairs and settings make new ones.
+
+    Made from arrays here, by :func:`coapt.load` from files, by :func:`coapt.generate` from parameters. All three go the
+    same way, and wrong ones are told in the same words.
+
+    Parameters
+    ----------
+    leaflets : sequence of Leaflet
+        Points that several leaflets share are welded.
+    chordae : sequence of ChordGroup
+        Groups of chordae, each with one tissue.
+    papillary : sequence of PapillaryMuscle
+        The muscles with the tips that chordae spring from.
+    annulus_mm : ndarray of float64, shape (n, 3), optional
+        The annulus as a closed curve [mm], where leaflets do not mark its points.
+    annulus_tolerance_mm : float, optional
+        Boundary points this near the curve are annulus [mm].
+    pressure_mmhg : float
+        Transvalvular pressure at peak systole [mmHg]. Our choice of 100 is within 70 to 120.
+    name : str
+        What the case is called in reports.
+    space : {"LPS", "RAS"}
+        Patient frame of all coordinates given here. Everything that comes back is LPS.
+    contact, landmarks, settings, weld : optional
+        How leaflets touch; named points on the annulus; how the equilibrium is sought; how near points are one.
+
+    Raises
+    ------
+    InputError
+        Every fault of arrays and scene, with found and expected.
+    """
+
+    __slots__ = ("_native",)
+    _native: _core.Valve
+
+    def __init__(
+        self,
+        leaflets: Sequence[Leaflet],
+        chordae: Sequence[ChordGroup] = (),
+        papillary: Sequence[PapillaryMuscle] = (),
+        *,
+        annulus_mm: FloatArray | None = None,
+        annulus_tolerance_mm: float | None = None,
+        pressure_mmhg: float = 100.0,
+        name: str = "valve",
+        space: Literal["LPS", "RAS"] = "LPS",
+        contact: Contact | None = None,
+        landmarks: Landmarks | None = None,
+        settings: Settings | None = None,
+        weld: Weld | None = None,
+    ) -> None:
+        scene: dict[str, Value | None] = {
+            "schema_version": SCHEMA_VERSION,
+            "name": name,
+            "space": space,
+            "load": {"pressure_mmhg": pressure_mmhg},
+            "leaflets": [_keys(leaflet, "name", "thickness_mm", "tissue") for leaflet in leaflets],
+            "chordae": [_keys(group, *_CHORD_KEYS) for group in chordae],
+            "papillary": [_keys(muscle, "name") for muscle in papillary],
+            "annulus": {} if annulus_tolerance_mm is None else {"curve_tolerance_mm": annulus_tolerance_mm},
+            "contact": None if contact is None else contact.to_dict(),
+            "landmarks": None if landmarks is None else landmarks.to_dict(),
+            "settings": None if settings is None else settings.to_dict(),
+            "weld": None if weld is None else weld.to_dict(),
+        }
+        made = _core.Valve.assemble(
+            {key: value for key, value in scene.items() if value is not None},
+            [(it.points_mm, it.triangles, it.annulus_points, it.annulus_displacement_mm) for it in leaflets],
+            [(it.points_mm, it.segments, it.rest_length_mm, it.area_mm2) for it in chordae],
+            [(it.tips_mm, it.displacements_mm) for it in papillary],
+            annulus_mm,
+        )
+        object.__setattr__(self, "_native", made)
+
+    @classmethod
+    def _of(cls, made: _core.Valve) -> Valve:
+        valve = cls.__new__(cls)
+        object.__setattr__(valve, "_native", made)
+        return valve
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a valve does not change; cannot set {name!r}")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a valve does not change; cannot delete {name!r}")
+
+    def __reduce__(self) -> tuple[object, tuple[bytes]]:
+        return valve_of_bytes, (self._native.stored(),)
+
+    def __repr__(self) -> str:
+        done = f", {len(self.repairs)} repairs" if self.repairs else ""
+        return f"<coapt.Valve {self.name!r}: {len(self.triangles)} triangles, {self.pressure_mmhg:g} mmHg{done}>"
+
+    @property
+    def name(self) -> str:
+        """What the case is called."""
+        return self._native.name
+
+    @property
+    def pressure_mmhg(self) -> float:
+        """Transvalvular pressure [mmHg]."""
+        return self._native.pressure_mmhg
+
+    @property
+    def points_mm(self) -> FloatArray:
+        """Open positions of all vertices [mm], LPS, shape (n, 3), read-only: leaflets, then chord nodes, then tips."""
+        return self._native.points_mm
+
+    @property
+    def triangles(self) -> IndexArray:
+        """Triangles of all leaflets, shape (m, 3), read-only; normals to the atrium."""
+        return self._native.triangles
+
+    @property
+    def triangle_leaflet(self) -> IndexArray:
+        """Which of ``leaflet_names`` each triangle belongs to, shape (m,), read-only."""
+        return self._native.triangle_leaflet
+
+    @property
+    def leaflet_names(self) -> tuple[str, ...]:
+        """Names of the leaflets."""
+        return tuple(self._native.leaflet_names)
+
+    @property
+    def leaflet_vertex_count(self) -> int:
+        """The first so many vertices belong to leaflets."""
+        return self._native.leaflet_vertex_count
+
+    @property
+    def annulus(self) -> IndexArray:
+        """Vertices of the annulus in order, counter-clockwise seen from the atrium, shape (k,), read-only."""
+        return self._native.annulus
+
+    @property
+    def chords(self) -> tuple[FloatArray, IndexArray]:
+        """Ends of the chord segments in the open valve [mm], shape (n, 3), and the segments, shape (m, 2); read-only."""
+        return self._native.chords()
+
+    @property
+    def chord_groups(self) -> tuple[IndexArray, tuple[str, ...]]:
+        """Group of each chord segment, shape (m,), and the names of the groups."""
+        groups, names = self._native.chord_groups
+        return groups, tuple(names)
+
+    @property
+    def repairs(self) -> tuple[dict[str, Json], ...]:
+        """What was done, with the keys of plans, all defaults told."""
+        return tuple(cast("list[dict[str, Json]]", json.loads(self._native.repairs_json)))
+
+    @property
+    def warnings(self) -> tuple[Fault, ...]:
+        """What was repaired, guessed or doubted while it was read, built and repaired."""
+        return tuple(fault_of(told) for told in self._native.warnings)
+
+    def with_repair(self, *repairs: Repair) -> Valve:
+        """The same valve with these repairs, after those that it has. Nothing moves before it is closed.
+
+        Raises
+        ------
+        InputError
+            Why a repair cannot be carried out.
+        """
+        return Valve._of(self._native.with_repairs([repair.to_dict() for repair in repairs]))
+
+    def with_pressure(self, pressure_mmhg: float) -> Valve:
+        """The same valve under another transvalvular pressure [mmHg].
+
+        Raises
+        ------
+        InputError
+            A pressure that no scene may have.
+        """
+        return Valve._of(self._native.altered(pressure_mmhg, {}, {}))
+
+    def with_settings(self, settings: Settings) -> Valve:
+        """The same valve, its equilibrium sought otherwise; what is left out of the settings stays.
+
+        Raises
+        ------
+        InputError
+            Settings that no scene may have.
+        """
+        return Valve._of(self._native.altered(None, settings.to_dict(), {}))
+
+    def with_contact(self, contact: Contact) -> Valve:
+        """The same valve with another contact; what is left out of it stays.
+
+        Raises
+        ------
+        InputError
+            A contact that no scene may have.
+        """
+        return Valve._of(self._native.altered(None, {}, contact.to_dict()))
+
+    def close(
+        self,
+        *,
+        pressure_mmhg: float | None = None,
+        settings: Settings | None = None,
+        start: Closed | None = None,
+    ) -> Closed:
+        """Closes the valve. Other Python threads run meanwhile; Ctrl-C ends it.
+
+        Parameters
+        ----------
+        pressure_mmhg : float, optional
+            Another pressure than the valve's [mmHg].
+        settings : Settings, optional
+            How the equilibrium is sought; what is left out is as in the valve.
+        start : Closed, optional
+            A closed state of the same mesh to begin at, instead of the open valve: faster, but where several stable shapes
+            are possible, the one that is found depends on it.
+
+        Returns
+        -------
+        Closed
+            Also where the solver did not converge: ask ``certified`` and ``status``.
+
+        Raises
+        ------
+        InputError
+            A pressure or settings that no scene may have; a start of another mesh.
+        KeyboardInterrupt
+            Within 0.2 s of Ctrl-C.
+        """
+        from coapt._closed import Closed
+
+        made = self._native
+        if pressure_mmhg is not None or settings is not None:
+            made = made.altered(pressure_mmhg, {} if settings is None else settings.to_dict(), {})
+        return Closed._of(made.close(None if start is None else start.positions_mm))
+
+    def interactive(self) -> Live:
+        """Closes the valve, to be edited then as by a slider: see :class:`coapt.Live`."""
+        from coapt._live import Live
+
+        return Live(self.close())
+
+    def to_pyvista(self) -> pyvista.PolyData:
+        """The open leaflets; needs PyVista. Cells carry ``leaflet``, points ``annulus``."""
+        from coapt._pyvista import leaflets
+
+        return leaflets(self, self.points_mm)
+
+    @staticmethod
+    def from_pyvista(
+        leaflets: pyvista.PolyData | Mapping[str, pyvista.PolyData],
+        chordae: Mapping[str, pyvista.PolyData] | None = None,
+        papillary: Mapping[str, FloatArray] | None = None,
+        *,
+        pressure_mmhg: float = 100.0,
+        name: str = "valve",
+        space: Literal["LPS", "RAS"] = "LPS",
+    ) -> Valve:
+        """A valve of PyVista surfaces.
+
+        Parameters
+        ----------
+        leaflets : PolyData, or mapping of name to PolyData
+            Triangle meshes [mm]. A point array ``annulus``, non-zero on the annulus, marks it; cells of a single mesh are
+            parted by their array ``leaflet`` (0 anterior, 1 posterior), where it has one.
+        chordae : mapping of name to PolyData, optional
+            Line meshes; cell arrays ``rest_length_mm`` and ``area_mm2`` are read where present.
+        papillary : mapping of name to ndarray of float64, shape (n, 3), optional
+            Papillary tips [mm].
+        pressure_mmhg, name, space
+            As of :class:`Valve`.
+
+        Raises
+        ------
+        InputError
+            As of :class:`Valve`; cells that are no triangles or lines.
+        ImportError
+            Without PyVista.
+        """
+        from coapt._pyvista import chord_groups, leaflets_of
+
+        muscles = [PapillaryMuscle(muscle, tips) for muscle, tips in (papillary or {}).items()]
+        return Valve(
+            leaflets_of(leaflets),
+            chord_groups(chordae or {}),
+            muscles,
+            pressure_mmhg=pressure_mmhg,
+            name=name,
+            space=space,
+        )
+
+
+_CHORD_KEYS = (
+    "name",
+    "diameter_mm",
+    "modulus_mpa",
+    "law",
+    "rest_length_scale",
+    "insertion_radius_mm",
+)
+
+
+def _keys(part: object, *keys: str) -> dict[str, Value]:
+    """Some attributes as keys of a scene."""
+    made: dict[str, Value] = {}
+    for key in keys:
+        value = getattr(part, key)
+        if value is not None:
+            made[key] = value.to_dict() if isinstance(value, PlainData) else value
+    return made
+
+
+def valve_of_bytes(stored: bytes) -> Valve:
+    """A pickled valve."""
+    return Valve._of(_core.Valve.from_stored(stored))
+
+
+def load(path: str | os.PathLike[str], *, max_faces: int | None = None) -> Valve:
+    """Reads a scene file (TOML or JSON) with the meshes that it names, or a folder with a ``scene.toml``.
+
+    Parameters
+    ----------
+    path : str or path
+        The scene, or the folder that ``coapt generate`` wrote.
+    max_faces : int, optional
+        Refuse valves of more triangles. Default: what the scene says, usually 250 000.
+
+    Raises
+    ------
+    InputError
+        Every fault, with file and line where there is one; also a file that does not exist.
+    """
+    return Valve._of(_core.Valve.read(path, max_faces))
+
+
+def generate(
+    preset: Preset | str = "healthy", *, faces: int = 650, **parameters: Value | Tissue
+) -> Valve:
+    """Makes a parametric valve.
+
+    Parameters
+    ----------
+    preset : {"healthy", "dilated", "flail", "barlow", "restricted"}
+        Which valve.
+    faces : int
+        About so many triangles; the presets meet it within 10 %. 650 is that of the models of paper 003.
+    **parameters
+        Parameters by group, as ``annulus={"transverse_mm": 42}`` or ``chordae={"struts": False}``, and those without a
+        group, such as ``pressure_mmhg=120``. Keys as of ``coapt generate --set``.
+
+    Raises
+    ------
+    InputError
+        An unknown key; a value out of its range; leaflets that cannot hang open.
+
+    Examples
+    --------
+    >>> import coapt
+    >>> coapt.generate("healthy", faces=160).close().certified
+    True
+    """
+    dotted: dict[str, Value] = {"faces": faces}
+    for key, value in parameters.items():
+        if isinstance(value, Mapping):
+            dotted.update({f"{key}.{inner}": _plain(it) for inner, it in value.items()})
+        else:
+            dotted[key] = _plain(value)
+    return Valve._of(_core.Valve.generate(preset, dotted))
+
+
+def _plain(value: Value | Tissue) -> Value:
+    return value.to_dict() if isinstance(value, PlainData) else value
+
+
+def close_many(valves: Iterable[Valve]) -> list[Closed]:
+    """Closes many valves side by side, on as many threads as there are; the results are those of :meth:`Valve.close`.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        Within 0.2 s of Ctrl-C.
+    """
+    from coapt._closed import Closed
+
+    return [Closed._of(made) for made in _core.close_many([valve._native for valve in valves])]

@@ -1,0 +1,200 @@
+"""Valves from arrays: right ones are those of files, wrong ones are told with what was found and what was expected."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+coapt = pytest.importorskip("coapt")
+
+from hypothesis import HealthCheck, given, settings  # noqa: E402
+from hypothesis import strategies as st  # noqa: E402
+from hypothesis.extra import numpy as arrays  # noqa: E402
+
+
+def dome(rings: int = 3, around: int = 8):
+    """A single patch that hangs from a circle of 15 mm: points, triangles, points of the circle."""
+    points, triangles = [[0.0, 0.0, -6.0]], []
+    for ring in range(1, rings + 1):
+        radius = 15.0 * ring / rings
+        for step in range(around):
+            angle = 2 * np.pi * (step + ring / 2) / around
+            points.append([radius * np.cos(angle), radius * np.sin(angle), -6.0 * (1 - (ring / rings) ** 2)])
+    for step in range(around):
+        triangles.append([0, 1 + step, 1 + (step + 1) % around])
+    for ring in range(1, rings):
+        inner, outer = 1 + (ring - 1) * around, 1 + ring * around
+        for step in range(around):
+            after = (step + 1) % around
+            triangles.append([inner + step, outer + step, inner + after])
+            triangles.append([inner + after, outer + step, outer + after])
+    circle = np.arange(1 + (rings - 1) * around, 1 + rings * around)
+    return np.array(points), np.array(triangles), circle
+
+
+def leaflet(**changes):
+    points, triangles, circle = dome()
+    return coapt.Leaflet(**{
+        "name": "patch",
+        "points_mm": points,
+        "triangles": triangles,
+        "annulus_points": circle,
+        **changes,
+    })
+
+
+def test_a_patch_of_arrays_closes():
+    closed = coapt.Valve([leaflet()]).close()
+    assert closed.certified
+    # Pressure lifts it above where it hung.
+    assert closed.positions_mm[0, 2] > -6.0
+
+
+@pytest.mark.parametrize("kind", [np.int32, np.int64, np.uint32, np.uint64])
+def test_whole_numbers_of_all_usual_kinds_are_taken(kind):
+    _, triangles, circle = dome()
+    valve = coapt.Valve([leaflet(triangles=triangles.astype(kind), annulus_points=circle.astype(kind))])
+    assert valve.triangles.shape == triangles.shape
+
+
+def test_a_preset_of_arrays_is_the_preset_of_the_program(tmp_path):
+    """Through PyVista and back: the same scene in, so the same bytes out."""
+    pyvista = pytest.importorskip("pyvista")
+    valve = coapt.generate("healthy", faces=160)
+    surface = valve.to_pyvista()
+    assert isinstance(surface, pyvista.PolyData) and surface.n_cells == len(valve.triangles)
+    again = coapt.Valve.from_pyvista(surface, name="healthy")
+    assert again.leaflet_names == ("anterior", "posterior")
+    assert again.points_mm[: again.leaflet_vertex_count].shape == surface.points.shape
+
+
+FAULTS = {
+    "float32": (lambda p, t, c: {"points_mm": p.astype(np.float32)}, r"points_mm is float32 of shape \(25, 3\); expected"),
+    "order": (lambda p, t, c: {"points_mm": np.asfortranarray(p)}, "not C-contiguous; expected"),
+    "strided": (lambda p, t, c: {"points_mm": np.repeat(p, 2, axis=0)[::2]}, "not C-contiguous; expected"),
+    "shape": (lambda p, t, c: {"points_mm": p[:, :2].copy()}, r"of shape \(25, 2\); expected .* \(n, 3\)"),
+    "flat": (lambda p, t, c: {"points_mm": p.ravel()}, r"of shape \(75,\); expected"),
+    "list": (lambda p, t, c: {"points_mm": p.tolist()}, "is of type list; expected a NumPy array"),
+    "byte order": (lambda p, t, c: {"points_mm": p.astype(">f8")}, "expected .*float64"),
+    "float triangles": (lambda p, t, c: {"triangles": t.astype(float)}, "triangles is float64 .*; expected .*int32"),
+    "negative": (lambda p, t, c: {"triangles": np.where(t == 3, -1, t)}, "has -1 in row .*; expected"),
+    "huge": (lambda p, t, c: {"triangles": np.where(t == 3, 2**40, t)}, "has 1099511627776 in row"),
+    "missing point": (lambda p, t, c: {"triangles": np.where(t == 3, 99, t)}, "99"),
+    "NaN": (lambda p, t, c: {"points_mm": np.where(p == p.max(), np.nan, p)}, "NaN.*|nan.*"),
+    "infinite": (lambda p, t, c: {"points_mm": np.where(p == p.max(), np.inf, p)}, "inf"),
+    "marks": (lambda p, t, c: {"annulus_points": c[:, None]}, r"annulus_points is int64 of shape \(8, 1\)"),
+    "motion": (lambda p, t, c: {"annulus_displacement_mm": np.zeros((2, 3))}, "annulus_displacement_mm"),
+    "thickness": (lambda p, t, c: {"thickness_mm": -1.0}, "thickness_mm"),
+    "type": (lambda p, t, c: {"thickness_mm": "thick"}, 'thickness_mm is "thick"; expected a number'),
+    "empty": (lambda p, t, c: {"points_mm": np.zeros((0, 3)), "triangles": np.zeros((0, 3), int)}, "leaflets"),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_wrong_arrays_are_told(name):
+    spoil, words = FAULTS[name]
+    with pytest.raises(coapt.InputError, match=words) as caught:
+        coapt.Valve([leaflet(**spoil(*dome()))])
+    fault = caught.value.faults[0]
+    assert fault.place and fault.message and fault.severity == "error"
+
+
+def test_faults_say_found_and_expected():
+    with pytest.raises(coapt.InputError) as caught:
+        coapt.Ring.physio_like("28")
+    (fault,) = caught.value.faults
+    assert (fault.place, fault.found, fault.expected) == ("ring.size_mm", 'is "28"', "a number")
+    assert isinstance(caught.value, ValueError) and str(caught.value) == 'ring.size_mm is "28"; expected a number'
+    import pickle
+
+    assert pickle.loads(pickle.dumps(caught.value)).faults == caught.value.faults
+
+
+def test_all_faults_are_told_at_once():
+    with pytest.raises(coapt.InputError) as caught:
+        coapt.Ring(family="sadle", size_mm="28")  # type: ignore[arg-type]
+    assert [fault.place for fault in caught.value.faults] == ["ring.family", "ring.size_mm"]
+
+
+def test_numbers_of_numpy_are_numbers():
+    ring = coapt.Ring.physio_like(np.float32(28), sutures=np.int64(14))
+    assert ring.to_dict()["size_mm"] == 28
+
+
+def test_curves_may_be_arrays():
+    circle = dome()[0][-8:]
+    ring = coapt.Ring(curve_mm=circle, closed=True)
+    assert ring == coapt.Ring(curve_mm=circle.tolist(), closed=True) and hash(ring)
+    with pytest.raises(coapt.InputError, match="curve_mm"):
+        coapt.Ring(curve_mm=circle[:, :2])
+
+
+def test_curves_come_from_files(tmp_path):
+    valve = coapt.generate("healthy", faces=160)
+    coapt.closure(valve, coapt.Ring.physio_like(30)).write(tmp_path)
+    curve = coapt.read_curve(tmp_path / "after" / "ring.vtp")
+    assert curve.closed and curve.points_mm.shape[1] == 3
+    ring = coapt.Ring(curve_mm=curve.points_mm, closed=curve.closed, placed=True)
+    assert valve.with_repair(ring).close().certified
+    with pytest.raises(coapt.InputError, match="nowhere"):
+        coapt.read_curve(tmp_path / "nowhere.vtp")
+
+
+def test_files_are_told_by_line(tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text('schema_version = 1\nname = "a"\nload = { pressure_mmgh = 100 }\n')
+    with pytest.raises(coapt.InputError) as caught:
+        coapt.load(scene)
+    places = [fault.place for fault in caught.value.faults]
+    assert any(place.startswith(f"{scene}:3") for place in places), places
+    with pytest.raises(coapt.InputError, match="No such file"):
+        coapt.load(tmp_path / "nowhere.toml")
+
+
+def test_parameters_are_told_by_key():
+    for wrong, words in [
+        ({"anulus": {"transverse_mm": 40}}, "unknown key `anulus`; did you mean `annulus`"),
+        ({"annulus": {"transverse_mm": 1e9}}, "transverse_mm"),
+        ({"annulus": {"transverse_mm": float("nan")}}, "transverse_mm"),
+        ({"faces": "many"}, "face_count_target"),
+        ({"annulus": {"transverse_mm": object()}}, "expected a number, text, a list"),
+    ]:
+        with pytest.raises(coapt.InputError, match=words):
+            coapt.generate("healthy", **wrong)
+    with pytest.raises(coapt.InputError, match="did you mean `healthy`"):
+        coapt.generate("helthy")
+
+
+ANY_ARRAY = arrays.arrays(
+    dtype=st.one_of(
+        arrays.floating_dtypes(), arrays.integer_dtypes(), arrays.boolean_dtypes(), arrays.unicode_string_dtypes(max_len=3)
+    ),
+    shape=arrays.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=6),
+)
+
+
+# Most are refused at the door, in microseconds; a slow machine must not fail for its slowness.
+@settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
+@given(points=ANY_ARRAY, triangles=ANY_ARRAY)
+def test_no_array_brings_it_down(points, triangles):
+    try:
+        coapt.Valve([coapt.Leaflet("any", points, triangles)])
+    except coapt.InputError as error:
+        assert error.faults and all(fault.place and fault.message for fault in error.faults)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@given(
+    moved=arrays.arrays(np.float64, (25, 3), elements=st.floats(-3, 3)),
+    which=st.integers(0, 24),
+)
+def test_no_shape_brings_it_down(moved, which):
+    """Whatever shape: refused in words, or closed with a status and finite positions."""
+    points, triangles, circle = dome()
+    try:
+        valve = coapt.Valve([leaflet(points_mm=points + moved * (np.arange(25) >= which)[:, None])])
+    except coapt.InputError as error:
+        assert error.faults
+        return
+    closed = valve.close(settings=coapt.Settings(iteration_limit=30))
+    assert np.isfinite(closed.positions_mm).all()

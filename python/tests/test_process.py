@@ -1,0 +1,219 @@
+"""What a process must bear: threads, Ctrl-C, forks, thousands of closures."""
+
+from __future__ import annotations
+
+import gc
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+coapt = pytest.importorskip("coapt")
+
+from test_input import leaflet  # noqa: E402
+
+
+def run(code: str, seconds: float = 120.0) -> str:
+    """What a process of its own prints."""
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", textwrap.dedent(code)],
+        capture_output=True,
+        text=True,
+        timeout=seconds,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_python_runs_while_a_valve_closes():
+    """A thread counts while another closes. Were the lock held, it could not count once in between."""
+    valve = coapt.generate("barlow", faces=650)
+    begun, ended = threading.Event(), threading.Event()
+
+    def close() -> None:
+        begun.set()
+        valve.close()
+        ended.set()
+
+    thread = threading.Thread(target=close)
+    thread.start()
+    begun.wait()
+    counted = 0
+    while not ended.is_set():
+        counted += 1
+        time.sleep(0.001)
+    thread.join()
+    # A closure of 650 faces takes at least tens of milliseconds on any machine.
+    assert counted > 10
+
+
+def test_threads_find_the_same_bytes():
+    valve = coapt.generate("healthy", faces=160)
+    alone = valve.close().positions_mm.tobytes()
+    found: list[bytes] = []
+    threads = [threading.Thread(target=lambda: found.append(valve.close().positions_mm.tobytes())) for _ in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == [alone] * 6
+
+
+INTERRUPTED = """
+    import os, signal, threading, time
+    import coapt
+    {made}
+    at = []
+    def interrupt():
+        time.sleep(0.5)
+        at.append(time.perf_counter())
+        os.kill(os.getpid(), signal.SIGINT)
+    threading.Thread(target=interrupt).start()
+    try:
+        {work}
+    except KeyboardInterrupt:
+        took = time.perf_counter() - at[0]
+        print(took)
+    # The package goes on working, once what was interrupted has ended.
+    assert coapt.generate("healthy", faces=160).close().certified
+"""
+
+
+@pytest.mark.parametrize(
+    ("made", "work"),
+    [
+        # Seconds of work each. A fine valve has iterations of tenths of a second: nobody waits for their end.
+        ("valve = coapt.generate('barlow', faces=20_000)", "valve.close()"),
+        ("valves = [coapt.generate('barlow', faces=2600)] * 8", "coapt.close_many(valves)"),
+        (
+            "valve = coapt.generate('barlow', faces=1300)",
+            "coapt.plan(valve, [coapt.Ring.physio_like(24 + 0.5 * i) for i in range(30)])",
+        ),
+    ],
+    ids=["close", "close_many", "plan"],
+)
+def test_ctrl_c_is_honoured_at_once(made, work):
+    # 0.2 s is what was promised; the rest is for a machine that others use too.
+    assert float(run(INTERRUPTED.format(made=made, work=work))) < 0.2 + 0.3
+
+
+def test_ctrl_c_leaves_a_live_valve_usable():
+    told = run("""
+        import os, signal, threading, time
+        import coapt
+        live = coapt.generate('barlow', faces=2600).interactive()
+        threading.Timer(0.05, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        stopped = False
+        try:
+            for size in (34, 30, 38, 28):
+                live.set_ring(coapt.Ring.physio_like(size))
+        except KeyboardInterrupt:
+            stopped = True
+        print(stopped, live.set_ring(coapt.Ring.physio_like(34)).status)
+    """)
+    assert told == "True converged"
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks on this system")
+def test_a_forked_child_closes_valves():
+    """The parent's threads are none of the child's: with a pool of before the fork, the child would wait for ever."""
+    told = run("""
+        import os, warnings
+        import coapt
+        valve = coapt.generate('healthy', faces=160)
+        live = valve.interactive()
+        live.set_ring(coapt.Ring.physio_like(30))
+        parent = coapt.close_many([valve, valve])[0].positions_mm.tobytes()
+        # From 3.12 on Python warns of forks of processes with threads, rightly; this is the test of them.
+        warnings.simplefilter('ignore', DeprecationWarning)
+        child = os.fork()
+        if child == 0:
+            same = [it.positions_mm.tobytes() == parent for it in coapt.close_many([valve] * 3)]
+            follows = live.set_ring(coapt.Ring.physio_like(31)).certified
+            os._exit(0 if all(same) and follows else 1)
+        _, status = os.waitpid(child, 0)
+        print(os.waitstatus_to_exitcode(status), valve.close().positions_mm.tobytes() == parent)
+    """)
+    assert told == "0 True"
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
+def test_processes_of_a_pool_find_the_same_bytes(method, tmp_path):
+    import multiprocessing
+
+    if method not in multiprocessing.get_all_start_methods():
+        pytest.skip("not on this system")
+    script = tmp_path / "many.py"
+    script.write_text(textwrap.dedent(f"""
+        import multiprocessing, warnings
+        import coapt
+
+        def positions(valve):
+            return valve.close().positions_mm.tobytes()
+
+        if __name__ == "__main__":
+            warnings.simplefilter("ignore", DeprecationWarning)
+            valve = coapt.generate("healthy", faces=160)
+            here = positions(valve)
+            with multiprocessing.get_context("{method}").Pool(2) as pool:
+                print(pool.map(positions, [valve] * 4) == [here] * 4)
+    """))
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120, check=False)
+    assert done.stdout.strip() == "True", done.stderr
+
+
+def resident_kib() -> int:
+    with open("/proc/self/status", encoding="ascii") as status:
+        return next(int(line.split()[1]) for line in status if line.startswith("VmRSS"))
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/status"), reason="needs Linux's account of memory")
+def test_thousands_of_closures_leave_nothing_behind():
+    valve = coapt.Valve([leaflet()])
+
+    def close(times: int) -> None:
+        for _ in range(times):
+            closed = valve.close()
+            closed.positions_mm, closed.reactions_n, closed.measures  # noqa: B018
+            with pytest.raises(coapt.InputError):
+                coapt.Ring(size_mm="x")
+        gc.collect()
+
+    close(300)
+    before = resident_kib()
+    close(2000)
+    # A result of this valve takes some 10 kB: were every one kept, this would grow by 20 MB. Allocators keep a little.
+    assert resident_kib() - before < 4096
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/task"), reason="needs Linux's list of threads")
+def test_live_valves_end_with_their_handles():
+    valve = coapt.Valve([leaflet()])
+    for _ in range(50):
+        live = valve.interactive()
+        live.set()
+    del live
+    gc.collect()
+    time.sleep(0.2)
+    names = [(task / "comm").read_text().strip() for task in Path("/proc/self/task").iterdir()]
+    assert "coapt live" not in names
+
+
+@pytest.mark.skipif(not hasattr(signal, "raise_signal"), reason="no signals on this system")
+def test_other_signals_are_handled_meanwhile():
+    told = run("""
+        import signal, threading, os, time
+        import coapt
+        seen = []
+        signal.signal(signal.SIGTERM, lambda *_: seen.append(1))
+        threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGTERM)).start()
+        print(coapt.generate('barlow', faces=2600).close().status, len(seen))
+    """)
+    assert told == "converged 1"
