@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use coapt::mesh::parametric::{self, Preset, ValveParameters};
-use coapt::model::{Model, Untangled};
+use coapt::model::{LeftOut, Model, Untangled};
 use coapt::plan::{Applied, apply_all};
 use coapt::repair::Report;
 use coapt::scene::{Fault, Repair, Scene, Severity};
@@ -26,6 +26,7 @@ pub(crate) struct Built {
     /// All.
     pub(crate) warnings: Vec<Fault>,
     pub(crate) untangled: Option<Untangled>,
+    pub(crate) chordae_left_out: Vec<LeftOut>,
 }
 
 /// The file of a scene, to name lines in it.
@@ -97,6 +98,7 @@ pub(crate) fn build(
                 of_reading,
                 warnings,
                 untangled: built.untangled,
+                chordae_left_out: built.chordae_left_out,
             })
         }
         Err(faults) => {
@@ -131,6 +133,7 @@ impl Built {
             of_reading: self.of_reading.clone(),
             warnings: self.warnings.iter().cloned().chain(doubts).collect(),
             untangled: self.untangled.clone(),
+            chordae_left_out: self.chordae_left_out.clone(),
         })
     }
 

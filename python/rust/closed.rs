@@ -52,6 +52,7 @@ fn closure(before: &Inner, after: Option<&Inner>) -> Closure {
         repairs: last.reports.clone(),
         warnings: last.warnings.clone(),
         untangled: last.untangled.clone(),
+        chordae_left_out: last.chordae_left_out.clone(),
     }
 }
 
