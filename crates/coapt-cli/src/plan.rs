@@ -35,8 +35,8 @@ pub(crate) struct Arguments {
     /// Also write the closed leaflets of every alternative, to shapes/ in that folder
     #[arg(long, requires = "out")]
     shapes: bool,
-    /// Begin alternatives that differ from an earlier one in their last repair alone at its closed shape: to look through many, in a
-    /// fraction of the time; where they come to rest may depend a little on it; as `warm = true` in the plan
+    /// Begin alternatives that differ from an earlier one in their last repair alone at its closed shape: to look through many, in half
+    /// of the time or less; where they come to rest may depend a little on it; as `warm = true` in the plan
     #[arg(long)]
     warm: bool,
     /// Also relax every valve without pressure, for the orifice that it opens to; as `diastole = true` in the plan
