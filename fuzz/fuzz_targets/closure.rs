@@ -14,7 +14,7 @@ use coapt::mesh::parametric::{Preset, ValveParameters, generate};
 use coapt::model::Model;
 use coapt::relax::{Equilibrium, Status, relax};
 use coapt::repair::apply;
-use coapt::scene::{Attachment, Repair, Ring, RingFamily, Scene};
+use coapt::scene::{Repair, Scene};
 use coapt::state::State;
 use coapt_fuzz::changes::{Change, make};
 use coapt_fuzz::{check_defined, check_faults, check_model, good_scene};
@@ -45,7 +45,7 @@ struct Case {
     valve: u8,
     iteration_limit: u8,
     changes: Vec<Change>,
-    ring: Option<(u8, u8, bool)>,
+    repair: Option<[u8; 2]>,
 }
 
 fuzz_target!(|case: Case| {
@@ -60,36 +60,50 @@ fuzz_target!(|case: Case| {
     };
     check_model(&model);
     let closed = close(&model, &State::open(&model));
-    if let Some(ring) = case.ring {
-        under_ring(&model, &closed, ring);
+    if let Some(repair) = case.repair {
+        after_repair(&model, &closed, repair);
     }
 });
 
-fn under_ring(model: &Model, closed: &Equilibrium, (family, size, nearest): (u8, u8, bool)) {
+/// Repairs as they stand in plans, of two bytes.
+fn repair([kind, size]: [u8; 2]) -> Repair {
+    let part = f64::from(size) / 255.0;
+    let size_mm = 20 + size % 32;
     let families = [
-        RingFamily::ClassicLike,
-        RingFamily::PhysioLike,
-        RingFamily::Saddle,
-        RingFamily::ReducedAp,
-        RingFamily::PosteriorBand,
+        "classic-like",
+        "physio-like",
+        "saddle",
+        "reduced-ap",
+        "posterior-band",
     ];
-    let ring = Ring {
-        family: Some(families[usize::from(family) % families.len()]),
-        size_mm: Some(20.0 + f64::from(size % 32)),
-        curve_file: None,
-        curve_mm: None,
-        closed: None,
-        placed: false,
-        attachment: if nearest {
-            Attachment::NearestPoint
-        } else {
-            Attachment::ArcLength
-        },
+    let family = families[usize::from(size) % families.len()];
+    let written = match kind % 9 {
+        0 => format!(r#""ring", "family": "{family}", "size_mm": {size_mm}"#),
+        1 => format!(r#""ring", "family": "{family}", "size_mm": {size_mm}, "attachment": "nearest-point""#),
+        2 => format!(r#""ring", "family": "{family}", "size_mm": {size_mm}, "attachment": "sutures""#),
+        3 => format!(r#""clip", "position": {part}"#),
+        4 => format!(r#""clip", "position": {part}, "model": "rigid", "size": "long-wide""#),
+        5 => format!(r#""alfieri", "position": {part}"#),
+        6 => format!(r#""neochord", "leaflet": "posterior", "position": {part}"#),
+        7 => format!(r#""resect", "leaflet": "posterior", "shape": "triangular", "position": {part}, "width_mm": 4"#),
+        _ => format!(r#""close-cleft", "position": {part}, "depth_mm": 5"#),
     };
-    match apply(model, &Repair::Ring(ring)) {
+    let written = format!(r#"{{"kind": {written}}}"#);
+    serde_json::from_str(&written).unwrap_or_else(|error| panic!("{written}: {error}"))
+}
+
+fn after_repair(model: &Model, closed: &Equilibrium, bytes: [u8; 2]) {
+    match apply(model, &repair(bytes)) {
         Ok(repaired) => {
             check_model(&repaired.model);
-            close(&repaired.model, &closed.state);
+            // A resection makes a mesh of its own.
+            let is_same_mesh = repaired.model.faces == model.faces;
+            let start = if is_same_mesh {
+                closed.state.clone()
+            } else {
+                State::open(&repaired.model)
+            };
+            close(&repaired.model, &start);
         }
         Err(faults) => check_faults(&faults, true),
     }
