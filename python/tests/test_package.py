@@ -239,3 +239,14 @@ def test_studies_set_error_against_time(tmp_path):
     assert coapt.study(valve, tolerances=(1e-2,), thicknesses_mm=(0.8,), repeats=1).rows[1]["contact_thickness_mm"] == 0.8
     # Two iterations lead to no reference.
     assert coapt.study(valve.with_settings(coapt.Settings(iteration_limit=2)), repeats=1) is None
+
+
+def test_examples_in_the_documentation_hold():
+    import doctest
+    import importlib
+    import pkgutil
+
+    names = ["coapt", *(f"coapt.{it.name}" for it in pkgutil.iter_modules(coapt.__path__) if it.name != "_coapt")]
+    results = [doctest.testmod(importlib.import_module(name)) for name in names]
+    assert sum(result.failed for result in results) == 0
+    assert sum(result.attempted for result in results) > 5

@@ -156,7 +156,7 @@ fn text(valves: &[Comparison], columns: &[Column]) -> String {
          *Falls* says in how many of the certified valves the orifice fell, and *by* how much on average in those, as the paper \
          counts; *over all* counts the others too. *Diastolic* is the planimetric orifice of the valve without pressure, as part of \
          that before; *openings* how many there are on average.\n\n\
-         | clips at | certified | falls | by | over all | paper 004: by | diastolic | openings | paper 004, against one clip |\n\
+         | clips at | certified | falls | by | over all | paper 004: by | diastolic | openings | paper 004: diastolic, change against one clip [%] |\n\
          |---|---:|---:|---:|---:|---:|---:|---:|---:|\n",
         valves.len(),
         mean(&orifices)
@@ -182,7 +182,9 @@ fn text(valves: &[Comparison], columns: &[Column]) -> String {
         "\n**What differs.** The paper simulates blood (smoothed particles) through valves of 29 patients and of statistics, six hours \
          a run, and reduces regurgitation; here it is the anatomic orifice of the closed valve. Its places are not ours: they are \
          shown in a picture, and 2 and 6 are said to be near the posteromedial commissure. Its figures for two and three clips are \
-         those of one valve. Its orifice with clips is compared with that of one clip, ours with that of none.\n",
+         those of one valve. Its orifice with clips is compared with that of one clip, ours with that of none: from the column, three \
+         clips leave 70 % less than one at 4. Our lesions are wide or at P2, so that clips in the middle win by construction; its \
+         patients' are where they are. Clips are springs, meshes of 650 triangles; changes below 8 mm² are noise.\n",
     );
     text
 }

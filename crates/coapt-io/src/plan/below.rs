@@ -15,7 +15,7 @@ pub(super) fn lines(out: &mut String, indent: usize, closed: &Closed) {
     if closed.solve.certified && closed.measures.orifice.area_mm2 >= SEALED_BELOW_MM2 {
         let [sharp, rounded] = closed.regurgitant_volume_ml;
         line(format!(
-            "lets back {} to {} mL a beat, by estimate",
+            "lets back {} to {} mL a beat, by estimate, if the pressure held",
             number(sharp, 0),
             number(rounded, 0)
         ));

@@ -49,27 +49,27 @@ pub fn rows(report: &Report) -> Vec<TableRow> {
 }
 
 /// The row of that number if it has the same name, else one that has: a repair may add chordae and sutures.
-pub(super) fn same_row<'a>(rows: &'a [Row], number: usize, row: &Row) -> Option<&'a Row> {
+fn same_row<'a>(rows: &'a [Row], number: usize, row: &Row) -> Option<&'a Row> {
     let same = |other: &&Row| other.name == row.name;
     rows.get(number).filter(same).or_else(|| rows.iter().find(same))
 }
 
-/// A row of the table.
-pub(super) struct Row {
-    pub(super) name: String,
-    pub(super) unit: &'static str,
+/// A row of one state.
+struct Row {
+    name: String,
+    unit: &'static str,
     /// Digits after the decimal point: no more than a mesh of this kind can resolve.
-    pub(super) digits: usize,
-    pub(super) value: f64,
+    digits: usize,
+    value: f64,
 }
 
 /// Rows under a heading.
-pub(super) struct Group {
-    pub(super) title: &'static str,
-    pub(super) rows: Vec<Row>,
+struct Group {
+    title: &'static str,
+    rows: Vec<Row>,
 }
 
-pub(super) fn row(name: impl Into<String>, unit: &'static str, digits: usize, value: f64) -> Row {
+fn row(name: impl Into<String>, unit: &'static str, digits: usize, value: f64) -> Row {
     Row {
         name: name.into(),
         unit,
@@ -78,7 +78,7 @@ pub(super) fn row(name: impl Into<String>, unit: &'static str, digits: usize, va
     }
 }
 
-pub(super) fn groups(outcome: &Outcome) -> Vec<Group> {
+fn groups(outcome: &Outcome) -> Vec<Group> {
     let m = &outcome.measures;
     vec![
         Group {

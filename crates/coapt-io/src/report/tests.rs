@@ -89,6 +89,45 @@ fn the_json_has_every_field_of_the_contract() {
     assert_eq!(json["warnings"][0], "scene.toml:3: leaflets: turned");
 }
 
+/// Rows are what the table prints: as many, with the numbers of the report; what only the plan brings has no value before.
+#[test]
+fn rows_are_those_of_the_table() {
+    let clip = coapt::scene::Clip {
+        position: Some(0.5),
+        ..coapt::scene::Clip::default()
+    };
+    let report = Report::new(&closure_with(&[Repair::Clip(clip)]));
+    let rows = rows(&report);
+    let table = text(&report);
+    let printed = |row: &&TableRow| table.lines().any(|line| line.trim_start().starts_with(&row.name));
+    assert_eq!(rows.iter().filter(printed).count(), rows.len());
+    assert_eq!(
+        table
+            .lines()
+            .filter(|line| line.starts_with("  ") && !line.contains("residual"))
+            .count(),
+        rows.len()
+    );
+    let named = |name: &str| rows.iter().find(|row| row.name == name).unwrap();
+    let circumference = named("circumference");
+    let after = report.after.as_ref().unwrap();
+    assert_eq!(
+        circumference.before,
+        Some(report.before.measures.annulus.circumference_mm)
+    );
+    assert_eq!(circumference.after, Some(after.measures.annulus.circumference_mm));
+    let sutures: Vec<_> = rows
+        .iter()
+        .filter(|row| row.title == "Sutures and clips")
+        .collect();
+    assert!(
+        !sutures.is_empty()
+            && sutures
+                .iter()
+                .all(|row| row.before.is_none() && row.after.is_some())
+    );
+}
+
 #[test]
 fn without_a_plan_there_is_no_after_and_no_subfolder() {
     let closure = Closure {

@@ -6,7 +6,7 @@ use coapt::relax::Status;
 use coapt::scene::{Readable, Settings};
 
 use super::repairs::repair_line;
-use super::rows::{Row, groups, same_row};
+use super::rows::{TableRow, rows};
 use super::{LeftOutReport, Report, Solve, UntangledReport};
 use crate::escape::escaped;
 
@@ -136,60 +136,38 @@ pub(crate) fn reasons(status: Status, stable: bool, crossings: usize) -> String 
 }
 
 fn table(out: &mut String, report: &Report) {
-    let before = groups(&report.before);
-    let after = report.after.as_ref().map(groups);
-    let mut heads = after.as_ref().map(|_| ["before", "after", "change"]);
-    for (number, group) in before.iter().enumerate() {
-        let later = after.as_ref().map_or(&[][..], |groups| &groups[number].rows);
-        if group.rows.is_empty() && later.is_empty() {
-            continue;
+    let mut heads = report.after.as_ref().map(|_| ["before", "after", "change"]);
+    let mut last = String::new();
+    for row in rows(report) {
+        let title = &row.title;
+        if *title != last {
+            let _ = match heads.take() {
+                Some([a, b, c]) => writeln!(
+                    out,
+                    "\n{title:NAME$} {:UNIT$}{a:>VALUE$}{b:>VALUE$}{c:>VALUE$}",
+                    ""
+                ),
+                None => writeln!(out, "\n{title}"),
+            };
+            last.clone_from(title);
         }
-        let title = group.title;
-        let _ = match heads.take() {
-            Some([a, b, c]) => writeln!(
-                out,
-                "\n{title:NAME$} {:UNIT$}{a:>VALUE$}{b:>VALUE$}{c:>VALUE$}",
-                ""
-            ),
-            None => writeln!(out, "\n{title}"),
-        };
-        for (number, row) in group.rows.iter().enumerate() {
-            let _ = writeln!(out, "{}", row_line(row, same_row(later, number, row)));
-        }
-        let is_new = |(number, row): &(usize, &Row)| same_row(&group.rows, *number, row).is_none();
-        for (_, row) in later.iter().enumerate().filter(is_new) {
-            let _ = writeln!(out, "{}", new_row_line(row));
-        }
+        let _ = writeln!(out, "{}", row_line(&row));
     }
 }
 
-/// A row of what only the repaired valve has.
-fn new_row_line(row: &Row) -> String {
-    let name = format!("  {}", shortened(&row.name, NAME - 2));
-    let after = number(row.value, row.digits);
-    format!(
-        "{name:NAME$} {:UNIT$}{:>VALUE$}{after:>VALUE$}{:>VALUE$}",
-        row.unit, "-", "-"
-    )
-}
-
-fn row_line(row: &Row, later: Option<&Row>) -> String {
+fn row_line(row: &TableRow) -> String {
     let digits = row.digits;
     let name = format!("  {}", shortened(&escaped(&row.name), NAME - 2));
-    let mut text = format!(
-        "{name:NAME$} {:UNIT$}{:>VALUE$}",
-        row.unit,
-        number(row.value, digits)
-    );
-    if let Some(later) = later {
-        let change = later.value - row.value;
-        let sign = if number(change, digits).starts_with('-') || is_zero(change, digits) {
-            ""
-        } else {
-            "+"
+    let told = |value: Option<f64>| value.map_or("-".to_owned(), |value| number(value, digits));
+    let mut text = format!("{name:NAME$} {:UNIT$}{:>VALUE$}", row.unit, told(row.before));
+    if row.after.is_some() {
+        let change = row.before.zip(row.after).map(|(before, after)| after - before);
+        let sign = match change {
+            Some(change) if change > 0.0 && !is_zero(change, digits) => "+",
+            _ => "",
         };
-        let change = format!("{sign}{}", number(change, digits));
-        let _ = write!(text, "{:>VALUE$}{change:>VALUE$}", number(later.value, digits));
+        let change = format!("{sign}{}", told(change));
+        let _ = write!(text, "{:>VALUE$}{change:>VALUE$}", told(row.after));
     }
     text
 }
@@ -245,7 +223,6 @@ pub(crate) fn wrapped(out: &mut String, start: &str, text: &str) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rows::row;
     use super::super::tests::{closure_of, closure_with, spoil};
     use super::*;
     use coapt::scene::{Clip, Neochord, Repair, Site};
@@ -258,13 +235,13 @@ mod tests {
         let width = text.lines().map(|line| line.chars().count()).max();
         assert!(width <= Some(WIDTH), "{text}");
         let ends = |line: &str| line.chars().count() == NAME + 1 + UNIT + 3 * VALUE;
-        let rows: Vec<&str> = text
+        let lines: Vec<&str> = text
             .lines()
             .filter(|line| line.starts_with("  ") && ends(line))
             .collect();
         // Every row of every group, in three columns that end at the same place.
-        let expected: usize = groups(&report.before).iter().map(|group| group.rows.len()).sum();
-        assert_eq!(rows.len(), expected, "{text}");
+        let expected = rows(&report).len();
+        assert_eq!(lines.len(), expected, "{text}");
         assert!(text.lines().any(|line| ends(line) && line.ends_with("change")));
         assert!(text.ends_with("research use, not a medical device\n"));
         assert!(text.contains("warning: word word"));
@@ -345,7 +322,16 @@ mod tests {
 
     #[test]
     fn changes_have_signs_and_zero_has_none() {
-        let line = |before, after| row_line(&row("a", "mm", 1, before), Some(&row("a", "mm", 1, after)));
+        let line = |before, after| {
+            row_line(&TableRow {
+                title: "A".to_owned(),
+                name: "a".to_owned(),
+                unit: "mm".to_owned(),
+                digits: 1,
+                before: Some(before),
+                after: Some(after),
+            })
+        };
         assert!(line(1.0, 2.0).ends_with(" 2.0       +1.0"));
         assert!(line(2.0, 1.0).ends_with(" 1.0       -1.0"));
         assert!(line(1.0, 0.99).ends_with(" 1.0        0.0"));
