@@ -29,9 +29,10 @@ pub struct Parameter<'a> {
 pub struct Sensitivity {
     /// How fast every vertex moves [mm per unit of the parameter], shape `[vertex]`.
     pub shape_rate_mm: Vec<Vec3>,
-    /// Measures half a width below the parameter's value, to first order; forces on supports are left out and zero.
+    /// Measures half a width below the parameter's value, to first order, or at the value where there is no model below it; forces on
+    /// supports are left out and zero.
     pub less: Measures,
-    /// Those half a width above.
+    /// Those a width farther.
     pub more: Measures,
     /// The difference of the parameter between the two, in its unit.
     pub width: f64,
@@ -47,18 +48,29 @@ impl Sensitivity {
 /// Rates of change of a closed valve with a parameter; `closed` is the equilibrium of the model at the parameter's value.
 ///
 /// # Errors
-/// As [`Response::new`] and [`Response::shape_rate`]; values for which there is no model.
+/// As [`Response::new`] and [`Response::shape_rate`]; a value for which there is no model on either side.
 pub fn sensitivity(
     model: &Model,
     closed: &Equilibrium,
     parameter: &Parameter,
 ) -> Result<Sensitivity, Vec<Fault>> {
-    let around = |width: f64| -> Result<[Model; 2], Vec<Fault>> {
-        let at = |side: f64| (parameter.model_at)(parameter.value + side * width);
+    let around = |width: f64, middle: f64| -> Result<[Model; 2], Vec<Fault>> {
+        let at = |side: f64| (parameter.model_at)(parameter.value + (middle + side) * width);
         Ok([at(-0.5)?, at(0.5)?])
     };
+    // A value may be the least or the most that there is: 0 mm from the margin.
+    let one_sided = |width: f64| around(width, 0.5).map(|models| (models, 0.5));
+    let other_sided = |width: f64| around(width, -0.5).map(|models| (models, -0.5));
+    let about = |width: f64| {
+        let both = around(width, 0.0).map(|models| (models, 0.0));
+        both.or_else(|faults| {
+            one_sided(width)
+                .or_else(|_| other_sided(width))
+                .map_err(|_| faults)
+        })
+    };
     let force_width = FORCE_WIDTH * parameter.scale;
-    let [less, more] = &around(force_width)?;
+    let ([less, more], _) = &about(force_width)?;
     let change = Change {
         less,
         more,
@@ -71,11 +83,11 @@ pub fn sensitivity(
     let leaflets = &shape_rate_mm[..model.leaflet_vertex_count];
     let fastest_mm = leaflets.iter().map(Vec3::norm).fold(0.0, f64::max);
     let width = parameter.scale.min(2.0 * SHAPE_WIDTH_MM / fastest_mm);
-    let [less, more] = &around(width)?;
+    let ([less, more], middle) = &about(width)?;
     let measured = |model: &Model, side: f64| {
         let at = closed.state.positions_mm.iter().zip(&shape_rate_mm);
         let shape: Vec<Vec3> = at
-            .map(|(position, rate)| position + rate * (side * width))
+            .map(|(position, rate)| position + rate * ((middle + side) * width))
             .collect();
         measure(model, &shape, &[])
     };

@@ -204,11 +204,11 @@ class Clip(PlainData):
         How far the arms lean from the perpendicular of the margin toward the posteromedial
         commissure [°], on both leaflets. Default: 0.0.
     grasp_anterior_mm : float, optional
-        How much of the anterior leaflet is gripped, from its margin [mm]; absent:
-        ``ClipSize::grasp_mm``.
+        How much of the anterior leaflet is gripped, from its margin [mm]; absent: 3 less than the
+        arms, 6 or 9.
     grasp_posterior_mm : float, optional
-        How much of the posterior leaflet is gripped, from its margin [mm]; absent:
-        ``ClipSize::grasp_mm``.
+        How much of the posterior leaflet is gripped, from its margin [mm]; absent: 3 less than the
+        arms, 6 or 9.
     model : Literal["springs", "rigid"], optional
         How the grip is modelled. Default: "springs".
     position : float, optional
@@ -219,8 +219,8 @@ class Clip(PlainData):
     size : Literal["short", "short-wide", "long", "long-wide"], optional
         How large it is. Default: "short".
     stiffness_n_per_mm : float, optional
-        Stiffness of each tie between two gripped places [N/mm]; absent:
-        ``ClipModel::stiffness_n_per_mm``.
+        Stiffness of each tie between two gripped places [N/mm]; absent: 9.81 for springs, 50 for
+        ``rigid``.
 
     Raises
     ------
@@ -541,7 +541,7 @@ class Resect(PlainData):
         How much a quadrangle leaves at the annulus [mm]; absent: 3, our choice: what holds the
         stitches of the plication.
     width_mm : float, optional
-        Width of the piece at the margin [mm]; absent: ``ResectionShape::width_mm``.
+        Width of the piece at the margin [mm]; absent: 10 for a triangle, 15 for a quadrangle.
 
     Raises
     ------

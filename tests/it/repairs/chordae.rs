@@ -9,7 +9,7 @@ use coapt::scene::{
     Site, TransferChord,
 };
 
-use super::{closed, done, middle_of_the_anterior_margin, preset, repaired};
+use super::{assert_told, closed, done, middle_of_the_anterior_margin, preset, refused, repaired};
 
 /// Neochordae to both halves of P2, from the muscle of their own side.
 fn two_pairs() -> [Repair; 2] {
@@ -155,7 +155,13 @@ fn cut_struts_tether_no_more() {
         group: Some("strut".into()),
         ..CutChord::default()
     };
-    let cut = done(&model, &Repair::CutChord(struts));
+    let deed = Repair::CutChord(struts);
+    let cut = done(&model, &deed);
+    assert_told(
+        &refused(&cut.model, &deed),
+        "cut-chord.group",
+        "no chordae any more",
+    );
     let Report::CutChord(report) = &cut.report else {
         panic!("{:?}", cut.report)
     };

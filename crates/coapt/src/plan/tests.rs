@@ -287,6 +287,35 @@ fn where_samples_begin_does_not_matter() {
     assert_eq!(from(Some(&foreign)), cold);
 }
 
+/// Where the value is the least that there is, as 0 mm from the margin, rates are those from there on.
+#[test]
+fn rates_at_the_end_of_a_range_are_one_sided() {
+    let model = small(Preset::Dilated);
+    let at = |size_mm: f64| apply_all(&model, &ring(size_mm).repairs).map(|applied| applied.model);
+    let here = at(30.0).unwrap();
+    let closed = relax(&here, &State::open(&here));
+    let found = |least_mm: f64, most_mm: f64| {
+        let parameter = Parameter {
+            model_at: &|value| match (least_mm..=most_mm).contains(&value) {
+                true => at(value).map_err(|refusal| refusal.faults),
+                false => Err(vec![Fault::error("ring.size_mm", "is out of range")]),
+            },
+            value: 30.0,
+            scale: 1.0,
+        };
+        sensitivity(&here, &closed, &parameter)
+    };
+    let both = found(20.0, 40.0).unwrap().shape_rate_mm;
+    let fastest = both.iter().map(Vec3::norm).fold(0.0, f64::max);
+    for (least_mm, most_mm) in [(30.0, 40.0), (20.0, 30.0)] {
+        let one_sided = found(least_mm, most_mm).unwrap().shape_rate_mm;
+        let apart = both.iter().zip(&one_sided).map(|(a, b)| (a - b).norm());
+        // Forces are differences over a millionth of the scale, in which they are straight.
+        assert!(apart.fold(0.0, f64::max) < 1e-3 * fastest);
+    }
+    assert!(found(30.0, 30.0).is_err());
+}
+
 /// The best get an ensemble, and the valve before; the watcher is told of each sample once.
 #[test]
 fn the_best_alternatives_get_ensembles() {

@@ -59,6 +59,11 @@ fn chosen(model: &Model, cut: &CutChord) -> Result<(BTreeSet<usize>, usize, usiz
         "cut-chord.group",
     )?;
     let units = units(&chords, cut.part);
+    if units.is_empty() {
+        let group = cut.group.as_deref().unwrap_or_default();
+        let message = format!("is `{group}`, which has no chordae any more; expected a group that has");
+        return Err(Fault::error("cut-chord.group", message));
+    }
     let Some(near_mm) = cut.near_mm else {
         if cut.count.is_some() {
             let message = "is given without `near_mm`, which says which ones; expected both, or neither";

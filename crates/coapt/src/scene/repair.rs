@@ -151,16 +151,16 @@ pub struct Clip {
     /// How far the arms lean from the perpendicular of the margin toward the posteromedial commissure [°], on both leaflets.
     #[serde(default)]
     pub angle_deg: f64,
-    /// How much of the anterior leaflet is gripped, from its margin [mm]; absent: [`ClipSize::grasp_mm`].
+    /// How much of the anterior leaflet is gripped, from its margin [mm]; absent: 3 less than the arms, 6 or 9.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grasp_anterior_mm: Option<f64>,
-    /// How much of the posterior leaflet is gripped, from its margin [mm]; absent: [`ClipSize::grasp_mm`].
+    /// How much of the posterior leaflet is gripped, from its margin [mm]; absent: 3 less than the arms, 6 or 9.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grasp_posterior_mm: Option<f64>,
     /// How the grip is modelled.
     #[serde(default)]
     pub model: ClipModel,
-    /// Stiffness of each tie between two gripped places [N/mm]; absent: [`ClipModel::stiffness_n_per_mm`].
+    /// Stiffness of each tie between two gripped places [N/mm]; absent: 9.81 for springs, 50 for `rigid`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness_n_per_mm: Option<f64>,
 }

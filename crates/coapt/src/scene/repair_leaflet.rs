@@ -19,7 +19,7 @@ pub struct Resect {
     /// Where along the margin, as share of its arc length from the anterolateral commissure [1]; instead of `site`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<f64>,
-    /// Width of the piece at the margin [mm]; absent: [`ResectionShape::width_mm`].
+    /// Width of the piece at the margin [mm]; absent: 10 for a triangle, 15 for a quadrangle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub width_mm: Option<f64>,
     /// How much of the leaflet's height a triangle takes [1]; absent: two thirds, as is usual.

@@ -4,6 +4,7 @@ mod fuzzed;
 mod laws_page;
 mod plans;
 mod plans_page;
+mod repairs_page;
 mod schema;
 
 use std::path::PathBuf;
