@@ -234,7 +234,7 @@ def test_studies_set_error_against_time(tmp_path):
     assert of[fine, 1e-5] < of[coarse, 1e-5]
     assert "<svg" in done._repr_svg_()
     done.write(tmp_path)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["study.csv", "study.json", "study.svg"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["SHA256SUMS", "study.csv", "study.json", "study.svg"]
     valve = coapt.generate("healthy", faces=160)
     assert coapt.study(valve, tolerances=(1e-2,), thicknesses_mm=(0.8,), repeats=1).rows[1]["contact_thickness_mm"] == 0.8
     # Two iterations lead to no reference.
