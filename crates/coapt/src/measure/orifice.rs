@@ -46,8 +46,8 @@ const ONE_SIDED_EDGES: f64 = 1.0;
 /// slit the two are the same; a flap folded back has its margin about twice as far away as its belly.
 const FACING_PART: f64 = 0.65;
 
-/// From this part on they bound a slit [1], and nothing but the surface between them counts. In between, the surface counts up to a
-/// multiple of the half strips that grows from one: a flap that folded back by a tenth of a millimetre more had half the orifice.
+/// From this part on they bound a slit [1], and nothing but the surface between them counts. In between, the surface between several
+/// margins counts up to a multiple of the half strips that grows from one: a flap that folded back by a tenth of a millimetre more had half the orifice.
 /// Our choice: the holes of the presets are beyond.
 const SLIT_PART: f64 = 0.9;
 
@@ -93,7 +93,11 @@ pub(super) fn orifice(model: &Model, s: &Surface, gaps: &Gaps, seal: &Seal) -> O
             }
         } else if gap > least {
             let polygon: Vec<Vec3> = rim.iter().flat_map(|r| r.points.iter().copied()).collect();
-            m.area_mm2 += spanning_area(&polygon).min(half_strips_mm2 * most_of_strips(facing / gap));
+            let most_mm2 = match rim.len() {
+                1 => f64::INFINITY,
+                _ => half_strips_mm2 * most_of_strips(facing / gap),
+            };
+            m.area_mm2 += spanning_area(&polygon).min(most_mm2);
             m.count += 1;
             m.max_gap_mm = m.max_gap_mm.max(gap);
         }
