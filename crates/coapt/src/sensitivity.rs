@@ -59,15 +59,9 @@ pub fn sensitivity(
         Ok([at(-0.5)?, at(0.5)?])
     };
     // A value may be the least or the most that there is: 0 mm from the margin.
-    let one_sided = |width: f64| around(width, 0.5).map(|models| (models, 0.5));
-    let other_sided = |width: f64| around(width, -0.5).map(|models| (models, -0.5));
     let about = |width: f64| {
-        let both = around(width, 0.0).map(|models| (models, 0.0));
-        both.or_else(|faults| {
-            one_sided(width)
-                .or_else(|_| other_sided(width))
-                .map_err(|_| faults)
-        })
+        let at = |middle: f64| around(width, middle).map(|models| (models, middle));
+        at(0.0).or_else(|faults| at(0.5).or_else(|_| at(-0.5)).map_err(|_| faults))
     };
     let force_width = FORCE_WIDTH * parameter.scale;
     let ([less, more], _) = &about(force_width)?;

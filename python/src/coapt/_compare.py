@@ -2,37 +2,25 @@
 
 from __future__ import annotations
 
-import json
 import os
 from typing import TypeAlias, Union, cast, final
 
 import coapt._coapt as _core
 from coapt._arrays import FloatArray, GivenIndices
 from coapt._closed import Closed
-from coapt._plain import Json, Vector
+from coapt._plain import Vector
+from coapt._result import Result
 
 #: A closed valve; a surface file, or a folder of results; points (float64, shape (n, 3)) with triangles (shape (m, 3)).
 Surface: TypeAlias = Union[Closed, str, "os.PathLike[str]", tuple[FloatArray, GivenIndices]]
 
 
 @final
-class Comparison:
+class Comparison(Result[_core.Comparison]):
     """The distance between two surfaces, under every published definition. Made by :func:`coapt.compare`."""
 
-    __slots__ = ("_native",)
-    _native: _core.Comparison
-
-    def __init__(self) -> None:
-        raise TypeError("a Comparison is made by comparing surfaces: coapt.compare()")
-
-    @classmethod
-    def _of(cls, made: _core.Comparison) -> Comparison:
-        comparison = cls.__new__(cls)
-        object.__setattr__(comparison, "_native", made)
-        return comparison
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a result does not change; cannot set {name!r}")
+    __slots__ = ()
+    _MADE_BY = "comparing surfaces: coapt.compare()"
 
     def __repr__(self) -> str:
         return f"<coapt.Comparison of {len(self.distance_mm)} points>"
@@ -51,24 +39,6 @@ class Comparison:
     def aligned_distance_mm(self) -> FloatArray:
         """The same after rigid alignment [mm], shape (n,), read-only."""
         return self._native.distances()[1]
-
-    def text(self) -> str:
-        """The table as ``coapt compare`` prints it."""
-        return self._native.text()
-
-    def to_dict(self) -> dict[str, Json]:
-        """The report as ``comparison.json`` holds it; units are in the names."""
-        return cast("dict[str, Json]", json.loads(self._native.report_json()))
-
-    def write(self, folder: str | os.PathLike[str]) -> None:
-        """Writes what ``coapt compare --out`` writes: ``comparison.json`` and ``error.vtp``.
-
-        Raises
-        ------
-        OSError
-            What the file system says.
-        """
-        self._native.write(folder)
 
 
 def compare(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias, Union, cast, final
@@ -11,6 +10,7 @@ import coapt._coapt as _core
 from coapt._arrays import FloatArray
 from coapt._plain import Json, Value
 from coapt._repairs import Repair
+from coapt._result import Result
 from coapt._valve import SCHEMA_VERSION, Valve
 
 if TYPE_CHECKING:
@@ -21,26 +21,14 @@ Repairs: TypeAlias = Union[Repair, Sequence[Repair]]
 
 
 @final
-class PlanResult:
+class PlanResult(Result[_core.Plan]):
     """Alternatives closed and ranked. Made by :func:`coapt.plan`.
 
     What is not certified is never ranked. Research use, not a medical device.
     """
 
-    __slots__ = ("_native",)
-    _native: _core.Plan
-
-    def __init__(self) -> None:
-        raise TypeError("a PlanResult is made by comparing alternatives: coapt.plan()")
-
-    @classmethod
-    def _of(cls, made: _core.Plan) -> PlanResult:
-        result = cls.__new__(cls)
-        object.__setattr__(result, "_native", made)
-        return result
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a result does not change; cannot set {name!r}")
+    __slots__ = ()
+    _MADE_BY = "comparing alternatives: coapt.plan()"
 
     def __repr__(self) -> str:
         return f"<coapt.PlanResult of {len(self.alternatives)} alternatives>"
@@ -66,29 +54,11 @@ class PlanResult:
         """Closed positions of each alternative [mm], shape (n, 3), read-only; None unless ``keep_shapes``, or refused."""
         return tuple(self._native.positions_mm())
 
-    def text(self) -> str:
-        """The table as ``coapt plan`` prints it."""
-        return self._native.text()
-
-    def to_dict(self) -> dict[str, Json]:
-        """The report as ``plan.json`` holds it; units are in the names."""
-        return cast("dict[str, Json]", json.loads(self._native.report_json()))
-
     def to_dataframe(self) -> pandas.DataFrame:
         """A row per alternative, a column per measure, as ``plan.csv``; needs pandas."""
         from coapt._tables import of_csv
 
         return of_csv(self._native.csv())
-
-    def write(self, folder: str | os.PathLike[str]) -> None:
-        """Writes what ``coapt plan --out`` writes; closed shapes if they were kept.
-
-        Raises
-        ------
-        OSError
-            What the file system says.
-        """
-        self._native.write(folder)
 
 
 def plan(
@@ -98,7 +68,7 @@ def plan(
     keep_shapes: bool = False,
     max_alternatives: int = 10_000,
 ) -> PlanResult:
-    """Closes a valve as it is and after each alternative, each from the open valve, and ranks the alternatives.
+    """Closes a valve as it is and after each alternative, each from the open valve unless the plan says ``warm``, and ranks the alternatives.
 
     Parameters
     ----------

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, cast, final
 
 import coapt._coapt as _core
 from coapt._plain import Json
+from coapt._result import Result
 from coapt._valve import Preset, Valve, generate
 
 if TYPE_CHECKING:
@@ -19,23 +18,11 @@ FACES: tuple[int, ...] = tuple(_core.STUDY_FACES)
 
 
 @final
-class StudyResult:
+class StudyResult(Result[_core.Study]):
     """One valve closed at many settings, with error and time of each. Made by :func:`coapt.study`."""
 
-    __slots__ = ("_native",)
-    _native: _core.Study
-
-    def __init__(self) -> None:
-        raise TypeError("a StudyResult is made by closing valves: coapt.study()")
-
-    @classmethod
-    def _of(cls, made: _core.Study) -> StudyResult:
-        result = cls.__new__(cls)
-        object.__setattr__(result, "_native", made)
-        return result
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a result does not change; cannot set {name!r}")
+    __slots__ = ()
+    _MADE_BY = "closing valves: coapt.study()"
 
     def __repr__(self) -> str:
         return f"<coapt.StudyResult of {len(self.rows)} closures>"
@@ -48,29 +35,11 @@ class StudyResult:
         """Each closure as ``study.json`` tells it."""
         return tuple(cast("list[dict[str, Json]]", self.to_dict()["rows"]))
 
-    def text(self) -> str:
-        """The table as ``coapt study`` prints it."""
-        return self._native.text()
-
-    def to_dict(self) -> dict[str, Json]:
-        """The study as ``study.json`` holds it; units are in the names."""
-        return cast("dict[str, Json]", json.loads(self._native.report_json()))
-
     def to_dataframe(self) -> pandas.DataFrame:
         """A row per closure, as ``study.csv``; needs pandas."""
         from coapt._tables import of_csv
 
         return of_csv(self._native.csv())
-
-    def write(self, folder: str | os.PathLike[str]) -> None:
-        """Writes what ``coapt study --out`` writes: ``study.csv``, ``study.json``, ``study.svg``.
-
-        Raises
-        ------
-        OSError
-            What the file system says.
-        """
-        self._native.write(folder)
 
 
 def study(

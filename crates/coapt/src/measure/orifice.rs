@@ -47,8 +47,8 @@ const ONE_SIDED_EDGES: f64 = 1.0;
 const FACING_PART: f64 = 0.65;
 
 /// From this part on they bound a slit [1], and nothing but the surface between them counts. In between, the surface between several
-/// margins counts up to a multiple of the half strips that grows from one: a flap that folded back by a tenth of a millimetre more had half the orifice.
-/// Our choice: the holes of the presets are beyond.
+/// margins counts up to a multiple of the half strips that grows from one: else a flap folded back by a tenth of a millimetre more
+/// has half the orifice. Our choice; at 650 faces the presets measure the same with it and without.
 const SLIT_PART: f64 = 0.9;
 
 /// An open stretch of margin.

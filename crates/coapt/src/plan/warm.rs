@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
@@ -29,49 +30,38 @@ pub(super) fn rows(
         ..settings.clone()
     };
     let lead = |number: usize| {
-        let result = attempted(model, &alternatives[number], &kept, watch);
+        let alternative = &alternatives[number];
+        let mut result = attempted(model, alternative, &kept, watch);
         let begun = result
             .as_ref()
             .ok()
-            .and_then(|outcome| begun(model, &alternatives[number], outcome));
-        (result, begun)
+            .and_then(|outcome| begun(model, alternative, outcome));
+        if let (Ok(outcome), false) = (&mut result, settings.keep_positions) {
+            outcome.positions_mm = Vec::new();
+        }
+        (number, (result, begun))
     };
-    let leading: Vec<usize> = (0..alternatives.len()).filter(|&at| leaders[at] == at).collect();
-    let led = leading.par_iter().with_max_len(1).map(|&number| lead(number));
-    let mut led: BTreeMap<usize, _> = leading.iter().copied().zip(led.collect::<Vec<_>>()).collect();
-    let follow = |number: usize| {
-        let start = led.get(&leaders[number]).and_then(|(_, begun)| begun.as_ref());
-        from_leader(
-            model,
-            &alternatives[number],
-            start.map(|start| (leaders[number], start)),
-            settings,
-            watch,
-        )
-    };
-    let followers = (0..alternatives.len()).into_par_iter().with_max_len(1);
-    let followed: Vec<Option<_>> = followers
-        .map(|number| (leaders[number] != number).then(|| follow(number)))
+    let leading: Vec<usize> = (0..alternatives.len())
+        .filter(|&number| leaders[number] == number)
         .collect();
-    let mut result_of = |number: usize, followed: Option<Result<Outcome, Refusal>>| {
-        followed.or_else(|| {
-            let (mut result, _) = led.remove(&number)?;
-            if let (Ok(outcome), false) = (&mut result, settings.keep_positions) {
-                outcome.positions_mm = Vec::new();
-            }
-            Some(result)
-        })
+    let led = leading.into_par_iter().with_max_len(1).map(lead);
+    let led: BTreeMap<usize, (Result<Outcome, Refusal>, Option<Begun>)> = led.collect();
+    let close = |number: usize| {
+        let leader = leaders[number];
+        let (result, begun) = &led[&leader];
+        match begun {
+            _ if leader == number => result.clone(),
+            Some(begun) => from_leader(model, &alternatives[number], (leader, begun), settings, watch),
+            None => attempted(model, &alternatives[number], settings, watch),
+        }
     };
-    let numbered = followed.into_iter().enumerate();
-    numbered
-        .filter_map(|(number, followed)| {
-            Some(Row {
-                alternative: number,
-                rank: None,
-                result: result_of(number, followed)?,
-            })
-        })
-        .collect()
+    let all = (0..alternatives.len()).into_par_iter().with_max_len(1);
+    let row = |number: usize| Row {
+        alternative: number,
+        rank: None,
+        result: close(number),
+    };
+    all.map(row).collect()
 }
 
 /// For each alternative the first whose repairs are the same but for the last, which is of the same kind; itself where it is the
@@ -108,17 +98,14 @@ fn begun(model: &Model, alternative: &Alternative, outcome: &Outcome) -> Option<
 fn from_leader(
     model: &Model,
     alternative: &Alternative,
-    leader: Option<(usize, &Begun)>,
+    (leader, begun): (usize, &Begun),
     settings: &Settings,
     watch: Watch,
 ) -> Result<Outcome, Refusal> {
-    let Some((number, begun)) = leader else {
-        return attempted(model, alternative, settings, watch);
-    };
-    // What is told of a closure that is not used would be counted twice.
+    // Told once it is known that it is used: else a closure made again would count twice.
     let quietly = |progress: &Progress| match progress {
         Progress::Iterated(_) => watch(progress),
-        Progress::Closed | Progress::Refused => std::ops::ControlFlow::Continue(()),
+        Progress::Closed | Progress::Refused => ControlFlow::Continue(()),
     };
     if let Ok(applied) = apply_all(model, &alternative.repairs)
         && applied.model.faces == begun.faces
@@ -127,7 +114,7 @@ fn from_leader(
         if outcome.is_certified() {
             let _ = watch(&Progress::Closed);
             return Ok(Outcome {
-                begun_at: Some(number),
+                begun_at: Some(leader),
                 ..outcome
             });
         }
