@@ -211,8 +211,12 @@ impl Closed {
     fn rows(&self, py: Python<'_>, after: Option<&Self>) -> PyResult<Vec<RowParts>> {
         self.told(py, after, |_, report| {
             let rows = report::rows(report).into_iter();
-            rows.map(|row| (row.title, row.name, row.unit, row.digits, row.before, row.after))
-                .collect()
+            let value = |row: &report::TableRow, state: usize| row.values.get(state).copied().flatten();
+            rows.map(|row| {
+                let (before, after) = (value(&row, 0), value(&row, 1));
+                (row.title, row.name, row.unit, row.digits, before, after)
+            })
+            .collect()
         })
     }
 

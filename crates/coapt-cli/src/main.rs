@@ -20,6 +20,7 @@ mod interrupt;
 mod output;
 mod personalise;
 mod plan;
+mod report;
 mod study;
 
 use std::io::{ErrorKind, Write};
@@ -62,6 +63,8 @@ enum Verb {
     Personalise(personalise::Arguments),
     /// Fit the springs of the leaflets to a biaxial curve; print them as a block for a scene
     FitTissue(fit_tissue::Arguments),
+    /// Make one page of a result, to open in any browser without a network
+    Report(report::Arguments),
     /// Close a valve at many settings; set error against time and find the knee
     Study(study::Arguments),
 }
@@ -94,6 +97,7 @@ fn main() -> ExitCode {
         Verb::Export(arguments) => export::run(arguments),
         Verb::Personalise(arguments) => personalise::run(arguments),
         Verb::FitTissue(arguments) => fit_tissue::run(arguments),
+        Verb::Report(arguments) => report::run(arguments),
         Verb::Study(arguments) => study::run(arguments),
     };
     if !matches!(outcome, Ok(Verdict::Done)) {

@@ -21,3 +21,5 @@ pub mod compare;
 pub mod study;
 
 pub mod plan;
+
+pub mod page;

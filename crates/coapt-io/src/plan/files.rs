@@ -9,7 +9,7 @@ use coapt::scene::Fault;
 
 use super::{PlanReport, csv, long_csv, units_csv};
 use crate::atomic::{Batch, make_folder};
-use crate::report::stage_closed_surface;
+use crate::report::{stage_closed_chords, stage_closed_surface};
 use crate::scene::Alternatives;
 
 /// Folder of the closed shapes.
@@ -67,9 +67,15 @@ fn stage_shapes(
             return Ok(());
         }
         prepare_shapes(folder)?;
-        let path = folder.join(SHAPES).join(file_name(number, name));
-        written.push(path.clone());
-        stage_closed_surface(batch, &path, model, positions_mm)
+        let shape = folder.join(SHAPES).join(file_name(number, name, ".vtp"));
+        stage_closed_surface(batch, &shape, model, positions_mm)?;
+        written.push(shape);
+        if !model.chords.ends.is_empty() {
+            let chords = folder.join(SHAPES).join(file_name(number, name, "_chords.vtp"));
+            stage_closed_chords(batch, &chords, model, positions_mm)?;
+            written.push(chords);
+        }
+        Ok(())
     };
     stage(0, "before", model, &comparison.before.positions_mm)?;
     for row in &comparison.rows {
@@ -88,11 +94,11 @@ fn stage_shapes(
 const LONGEST_NAME: usize = 60;
 
 /// `0012_ring-28-clip-A2P2.vtp`: letters, digits and points, everything else as hyphens.
-fn file_name(number: usize, name: &str) -> String {
+fn file_name(number: usize, name: &str, ending: &str) -> String {
     let words = name.split(|letter: char| !(letter.is_ascii_alphanumeric() || letter == '.'));
     let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
     let name: String = words.join("-").chars().take(LONGEST_NAME).collect();
-    format!("{number:04}_{name}.vtp")
+    format!("{number:04}_{name}{ending}")
 }
 
 /// Files of an earlier comparison: nothing else is touched.

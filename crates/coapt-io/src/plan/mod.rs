@@ -5,7 +5,7 @@
 //! | `plan.json` | everything |
 //! | `plan.csv` | a line per alternative, a column per measure |
 //! | `plan_long.csv`, `plan_units.csv` | a line per measure of a certified closure, in the long layout of `SlicerHeart`'s batch export, with its table of units |
-//! | `shapes/NUMBER_NAME.vtp` | the closed leaflets of each alternative, where asked for |
+//! | `shapes/NUMBER_NAME.vtp`, `shapes/NUMBER_NAME_chords.vtp` | the closed leaflets of each alternative, and its chords, where asked for |
 
 mod below;
 mod carry_out;
@@ -18,7 +18,7 @@ mod text;
 
 use std::collections::BTreeMap;
 
-use coapt::measure::Measures;
+use coapt::measure::{Measures, ValveFrame, valve_frame};
 use coapt::model::Model;
 use coapt::plan::{Comparison, Criterion, Outcome};
 use coapt::relax::Status;
@@ -56,6 +56,9 @@ pub struct PlanReport {
     pub pressure_mmhg: f64,
     /// Size of the model before any repair.
     pub mesh: MeshSize,
+    /// Which way is which in the valve closed before any repair; absent where its shape was not kept.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<ValveFrame>,
     /// What ranks, the most important first.
     pub ranking: Vec<Ranking>,
     /// The valve without any repair.
@@ -217,6 +220,7 @@ impl PlanReport {
                 faces: model.faces.len(),
                 chords: model.chords.ends.len(),
             },
+            frame: frame(model, comparison),
             ranking: criteria.into_iter().map(ranking).collect(),
             before: closed(&comparison.before),
             alternatives: rows.collect(),
@@ -248,6 +252,11 @@ impl PlanReport {
         text.map(|text| text + "\n")
             .map_err(|error| Fault::error("report", error.to_string()))
     }
+}
+
+fn frame(model: &Model, comparison: &Comparison) -> Option<ValveFrame> {
+    let positions_mm = &comparison.before.positions_mm;
+    (!positions_mm.is_empty()).then(|| valve_frame(model, positions_mm))?
 }
 
 fn ranking(criterion: Criterion) -> Ranking {

@@ -221,8 +221,9 @@ fn files_replace_those_of_an_earlier_comparison_and_nothing_else() {
         names.sort();
         names
     };
-    let shapes = ["0000_before.vtp", "0001_ring-28.vtp", "0003_ring-44.vtp"];
-    assert_eq!(write(&compared.comparison), shapes);
+    let shapes = ["0000_before", "0001_ring-28", "0003_ring-44"];
+    let shapes = shapes.map(|name| [format!("{name}.vtp"), format!("{name}_chords.vtp")]);
+    assert_eq!(write(&compared.comparison), shapes.as_flattened());
     let first = std::fs::read(folder.join("plan.json")).unwrap();
     let (shape, _) = read_mesh(&folder.join("shapes/0001_ring-28.vtp")).unwrap();
     assert_eq!(shape.triangles, compared.model.faces);

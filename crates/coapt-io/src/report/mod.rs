@@ -5,21 +5,22 @@ mod rows;
 mod surfaces;
 mod text;
 
-use coapt::measure::{self, Measures};
+use coapt::measure::{self, Measures, ValveFrame, valve_frame};
 use coapt::model::{LeftOut, Model, Untangled};
 use coapt::relax::{Equilibrium, Status};
 use coapt::repair;
 use coapt::scene::{Fault, MMHG_MPA};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
+pub(crate) use repairs::repair_line;
 use repairs::repair_report;
 
 pub use repairs::{RepairReport, RingFigures};
-pub use rows::{TableRow, rows};
-pub(crate) use surfaces::stage_closed_surface;
+pub use rows::{TableRow, rows, rows_of};
 pub use surfaces::{closed_surface, stage_results, write_closed_surface, write_results};
+pub(crate) use surfaces::{stage_closed_chords, stage_closed_surface};
 pub use text::text;
-pub(crate) use text::{WIDTH, is_zero, line, number, reasons, wrapped};
+pub(crate) use text::{WIDTH, is_zero, left_out_line, line, number, reasons, untangled_line, wrapped};
 
 /// The layout of the JSON report.
 pub const REPORT_SCHEMA: &str = "coapt-report/1";
@@ -70,6 +71,9 @@ pub struct Report {
     pub pressure_mmhg: f64,
     /// Size of the model.
     pub mesh: MeshSize,
+    /// Which way is which in the valve closed without the plan; absent where the annulus has no plane.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<ValveFrame>,
     /// What crossed in the open valve as given and was drawn apart; absent where nothing did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub untangled: Option<UntangledReport>,
@@ -99,7 +103,7 @@ pub struct MeshSize {
 }
 
 /// What crossed in the open valve as given and was drawn apart before it was closed.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UntangledReport {
     /// At how many places surfaces crossed or touched.
     pub places: usize,
@@ -112,7 +116,7 @@ pub struct UntangledReport {
 }
 
 /// Chord segments of a group that reach neither tip nor leaflet, or hang on such: the valve was closed without them.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LeftOutReport {
     /// Name of the group.
     pub group: String,
@@ -125,6 +129,8 @@ pub struct LeftOutReport {
 pub struct Outcome {
     /// How it was found and how far it can be trusted.
     pub solve: Solve,
+    /// Names of what `group` of `chords.vtp` numbers.
+    pub chord_groups: Vec<String>,
     /// What it measures.
     #[serde(flatten)]
     pub measures: Measures,
@@ -171,6 +177,7 @@ impl Report {
                 faces: model.faces.len(),
                 chords: model.chords.ends.len(),
             },
+            frame: valve_frame(model, &closure.before.equilibrium.state.positions_mm),
             untangled: closure.untangled.as_ref().map(untangled_report),
             chordae_left_out: closure.chordae_left_out.iter().map(left_out_report).collect(),
             before: outcome(&closure.before),
@@ -216,12 +223,18 @@ fn outcome(closed: &Closed) -> Outcome {
             max_penetration_at_mm: certificate.max_penetration_at_mm.map(Into::into),
             discretisation_mm: certificate.discretisation_mm,
         },
+        chord_groups: group_names(&closed.model),
         measures: measure::measure(
             &closed.model,
             &equilibrium.state.positions_mm,
             &equilibrium.reactions_n,
         ),
     }
+}
+
+fn group_names(model: &Model) -> Vec<String> {
+    let groups = model.chord_groups.iter();
+    groups.map(|group| group.name.clone()).collect()
 }
 
 fn left_out_report(left_out: &LeftOut) -> LeftOutReport {
@@ -241,4 +254,4 @@ fn untangled_report(untangled: &Untangled) -> UntangledReport {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -5,10 +5,10 @@ use coapt::repair::{
     ResectReport, RingReport, TransferReport,
 };
 use coapt::scene::{ResectionShape, RingFamily};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What one repair did.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum RepairReport {
     /// Annuloplasty.
@@ -36,7 +36,7 @@ pub enum RepairReport {
 }
 
 /// What a ring did to the annulus.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RingFigures {
     /// Family; none for a measured curve.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,7 +48,7 @@ pub struct RingFigures {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sutures: Option<u32>,
     /// Whether it takes the annulus' length only.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub flexible: bool,
     /// Whether the ring is closed.
     pub closed: bool,
@@ -101,7 +101,7 @@ fn ring_figures(ring: &RingReport) -> RingFigures {
     }
 }
 
-pub(super) fn repair_line(repair: &RepairReport) -> String {
+pub(crate) fn repair_line(repair: &RepairReport) -> String {
     match repair {
         RepairReport::Ring(ring) => ring_line(ring),
         RepairReport::Clip(clip) => format!(

@@ -1,11 +1,12 @@
 //! The rows of the table that a person reads, grouped by what they speak of.
 
 use coapt::measure::Measures;
+use serde::Serialize;
 
-use super::{Outcome, Report};
+use super::Report;
 
-/// A row of a report's table, for whoever lays out a table of his own.
-#[derive(Clone, Debug, PartialEq)]
+/// A row of a table of measures, for whoever lays out a table of his own.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TableRow {
     /// Heading of its group.
     pub title: String,
@@ -15,43 +16,51 @@ pub struct TableRow {
     pub unit: String,
     /// Digits after the decimal point: no more than a mesh of this kind can resolve.
     pub digits: usize,
-    /// Without the plan; none of what only the plan brings, such as sutures.
-    pub before: Option<f64>,
-    /// With the plan; none without one.
-    pub after: Option<f64>,
+    /// Shape `[state]`; none where a state lacks what others have, such as the sutures of a plan.
+    pub values: Vec<Option<f64>>,
 }
 
-/// The rows of the table that [`text`](super::text()) prints, in its order.
+/// The rows of the table that [`text`](super::text()) prints, in its order; states are the valve before and, with a plan, after.
 pub fn rows(report: &Report) -> Vec<TableRow> {
-    let before = groups(&report.before);
-    let after = report.after.as_ref().map(groups);
-    let mut all = Vec::new();
-    for (number, group) in before.iter().enumerate() {
-        let later = after.as_ref().map_or(&[][..], |groups| &groups[number].rows);
-        let told = |row: &Row, before: Option<f64>, after: Option<f64>| TableRow {
-            title: group.title.to_owned(),
-            name: row.name.clone(),
-            unit: row.unit.to_owned(),
-            digits: row.digits,
-            before,
-            after,
-        };
-        let kept = group.rows.iter().enumerate().map(|(number, row)| {
-            let after = same_row(later, number, row).map(|row| row.value);
-            told(row, Some(row.value), after)
-        });
-        all.extend(kept);
-        let is_new = |(number, row): &(usize, &Row)| same_row(&group.rows, *number, row).is_none();
-        let new = later.iter().enumerate().filter(is_new);
-        all.extend(new.map(|(_, row)| told(row, None, Some(row.value))));
-    }
-    all
+    let after = report.after.iter().map(|after| &after.measures);
+    let states: Vec<&Measures> = std::iter::once(&report.before.measures).chain(after).collect();
+    rows_of(&states)
 }
 
-/// The row of that number if it has the same name, else one that has: a repair may add chordae and sutures.
-fn same_row<'a>(rows: &'a [Row], number: usize, row: &Row) -> Option<&'a Row> {
-    let same = |other: &&Row| other.name == row.name;
-    rows.get(number).filter(same).or_else(|| rows.iter().find(same))
+/// The rows of a table of any states. What only later states have stands below what the first has under the same heading.
+pub fn rows_of(states: &[&Measures]) -> Vec<TableRow> {
+    let mut all: Vec<Vec<TableRow>> = Vec::new();
+    for (state, measures) in states.iter().enumerate() {
+        for (number, group) in groups(measures).into_iter().enumerate() {
+            if all.len() == number {
+                all.push(Vec::new());
+            }
+            for (place, row) in group.rows.into_iter().enumerate() {
+                let value = row.value;
+                let table = &mut all[number];
+                let at = same_row(table, place, &row.name, state).unwrap_or_else(|| {
+                    table.push(TableRow {
+                        title: group.title.to_owned(),
+                        name: row.name,
+                        unit: row.unit.to_owned(),
+                        digits: row.digits,
+                        values: vec![None; states.len()],
+                    });
+                    table.len() - 1
+                });
+                table[at].values[state] = Some(value);
+            }
+        }
+    }
+    all.concat()
+}
+
+/// The row in that place if it has the same name, else one that has and that the state has not filled: a repair may add chordae and
+/// sutures, and they may share names.
+fn same_row(table: &[TableRow], place: usize, name: &str, state: usize) -> Option<usize> {
+    let fits = |at: &usize| table[*at].name == name && table[*at].values[state].is_none();
+    let in_place = Some(place).filter(|&place| place < table.len());
+    in_place.filter(fits).or_else(|| (0..table.len()).find(fits))
 }
 
 /// A row of one state.
@@ -78,8 +87,7 @@ fn row(name: impl Into<String>, unit: &'static str, digits: usize, value: f64) -
     }
 }
 
-fn groups(outcome: &Outcome) -> Vec<Group> {
-    let m = &outcome.measures;
+fn groups(m: &Measures) -> Vec<Group> {
     vec![
         Group {
             title: "Competence",

@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `report.json` | the report |
-//! | `open.vtp`, `closed.vtp` | leaflets; cells `leaflet`; points `annulus`; closed also points `gap_mm`, `contact`, `strain`, `displacement_mm` |
+//! | `open.vtp`, `closed.vtp` | leaflets; cells `leaflet`; points `annulus`; points `along`, `from_margin_mm` of the leaflets laid flat; closed also points `gap_mm`, `contact`, `strain`, `displacement_mm`, `annulus_distance_mm` |
 //! | `open_chords.vtp`, `chords.vtp` | chordae; cells `group`, `rest_length_mm`; closed also `force_n` |
 //! | `ring.vtp` | the ring where it lies, after an annuloplasty |
 //! | `SHA256SUMS` | all of these with their checksums, written last |
@@ -104,13 +104,20 @@ fn stage_valve(batch: &mut Batch, folder: &Path, closed: &Closed) -> Result<(), 
         &folder.join("open_chords.vtp"),
         &chords(model, &model.rest_mm),
     )?;
-    let mut lines = chords(model, positions);
-    lines.cell_arrays.push(array(
-        "force_n",
-        1,
-        measure::chord_forces(model, positions).into_iter(),
-    ));
-    stage_vtp(batch, &folder.join("chords.vtp"), &lines)
+    stage_closed_chords(batch, &folder.join("chords.vtp"), model, positions)
+}
+
+/// What `chords.vtp` holds, under any name.
+pub(crate) fn stage_closed_chords(
+    batch: &mut Batch,
+    path: &Path,
+    model: &Model,
+    positions_mm: &[Vec3],
+) -> Result<(), Fault> {
+    let mut lines = chords(model, positions_mm);
+    let forces = measure::chord_forces(model, positions_mm);
+    lines.cell_arrays.push(array("force_n", 1, forces.into_iter()));
+    stage_vtp(batch, path, &lines)
 }
 
 /// Writes [`closed_surface`] under any name.
@@ -141,6 +148,7 @@ pub fn closed_surface(model: &Model, positions_mm: &[Vec3]) -> PolyData {
 /// The leaflets in some position.
 fn leaflets(model: &Model, positions_mm: &[Vec3]) -> PolyData {
     let count = model.leaflet_vertex_count;
+    let map = measure::leaflet_map(model);
     let mut on_annulus = vec![0.0; count];
     for &vertex in &model.annulus {
         on_annulus[vertex as usize] = 1.0;
@@ -148,7 +156,11 @@ fn leaflets(model: &Model, positions_mm: &[Vec3]) -> PolyData {
     PolyData {
         points: positions_mm.iter().take(count).map(|&p| p.into()).collect(),
         triangles: model.faces.clone(),
-        point_arrays: vec![array("annulus", 1, on_annulus.into_iter())],
+        point_arrays: vec![
+            array("annulus", 1, on_annulus.into_iter()),
+            array("along", 1, map.along.into_iter()),
+            array("from_margin_mm", 1, map.from_margin_mm.into_iter()),
+        ],
         cell_arrays: vec![array(
             "leaflet",
             1,
@@ -181,6 +193,11 @@ fn at_points(model: &Model, positions_mm: &[Vec3]) -> Vec<Array> {
             "displacement_mm",
             3,
             moved.flat_map(|(now, open)| <[f64; 3]>::from(now - open)),
+        ),
+        array(
+            "annulus_distance_mm",
+            1,
+            measure::annulus_distance_mm(model, positions_mm).into_iter(),
         ),
     ]
 }

@@ -22,7 +22,7 @@ fn closed(model: Model) -> Closed {
 }
 
 /// A healthy valve of 300 faces, before and after a ring.
-pub(super) fn closure_of(ring: &str) -> Closure {
+pub(crate) fn closure_of(ring: &str) -> Closure {
     closure_with(&[Repair::Ring(repair::parse_ring_spec(ring).unwrap())])
 }
 
@@ -105,10 +105,13 @@ fn rows_are_those_of_the_table() {
     let circumference = named("circumference");
     let after = report.after.as_ref().unwrap();
     assert_eq!(
-        circumference.before,
+        circumference.values[0],
         Some(report.before.measures.annulus.circumference_mm)
     );
-    assert_eq!(circumference.after, Some(after.measures.annulus.circumference_mm));
+    assert_eq!(
+        circumference.values[1],
+        Some(after.measures.annulus.circumference_mm)
+    );
     let sutures: Vec<_> = rows
         .iter()
         .filter(|row| row.title == "Sutures and clips")
@@ -117,7 +120,7 @@ fn rows_are_those_of_the_table() {
         !sutures.is_empty()
             && sutures
                 .iter()
-                .all(|row| row.before.is_none() && row.after.is_some())
+                .all(|row| row.values[0].is_none() && row.values[1].is_some())
     );
 }
 

@@ -89,7 +89,7 @@ fn certificate(out: &mut String, name: &str, solve: &Solve) {
 }
 
 /// That the valve closed is not quite the one given.
-fn untangled_line(untangled: &UntangledReport) -> String {
+pub(crate) fn untangled_line(untangled: &UntangledReport) -> String {
     let [x, y, z] = untangled.first_at_mm.first().copied().unwrap_or_default();
     format!(
         "surfaces of the open valve crossed or touched at {} places, the first at ({x:.1}, {y:.1}, {z:.1}) mm; {} points were \
@@ -99,7 +99,7 @@ fn untangled_line(untangled: &UntangledReport) -> String {
 }
 
 /// That the valve closed lacks chordae of the one given.
-fn left_out_line(left_out: &[LeftOutReport]) -> String {
+pub(crate) fn left_out_line(left_out: &[LeftOutReport]) -> String {
     let count = |of: &LeftOutReport| format!("{} of `{}`", of.segments, of.group);
     format!(
         "the valve was closed without chord segments that reach neither tip nor leaflet: {}; what they should hold is not held",
@@ -159,15 +159,16 @@ fn row_line(row: &TableRow) -> String {
     let digits = row.digits;
     let name = format!("  {}", shortened(&escaped(&row.name), NAME - 2));
     let told = |value: Option<f64>| value.map_or("-".to_owned(), |value| number(value, digits));
-    let mut text = format!("{name:NAME$} {:UNIT$}{:>VALUE$}", row.unit, told(row.before));
-    if row.after.is_some() {
-        let change = row.before.zip(row.after).map(|(before, after)| after - before);
+    let [before, after] = [0, 1].map(|state| row.values.get(state).copied().flatten());
+    let mut text = format!("{name:NAME$} {:UNIT$}{:>VALUE$}", row.unit, told(before));
+    if after.is_some() {
+        let change = before.zip(after).map(|(before, after)| after - before);
         let sign = match change {
             Some(change) if change > 0.0 && !is_zero(change, digits) => "+",
             _ => "",
         };
         let change = format!("{sign}{}", told(change));
-        let _ = write!(text, "{:>VALUE$}{change:>VALUE$}", told(row.after));
+        let _ = write!(text, "{:>VALUE$}{change:>VALUE$}", told(after));
     }
     text
 }
@@ -328,8 +329,7 @@ mod tests {
                 name: "a".to_owned(),
                 unit: "mm".to_owned(),
                 digits: 1,
-                before: Some(before),
-                after: Some(after),
+                values: vec![Some(before), Some(after)],
             })
         };
         assert!(line(1.0, 2.0).ends_with(" 2.0       +1.0"));

@@ -1,6 +1,6 @@
 //! Size and shape of the annulus.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::distance::triangle_area;
 use super::plane::{AnnularPlane, annular_plane, edges_closed, length_closed, vector_area};
@@ -8,7 +8,7 @@ use crate::Vec3;
 use crate::model::Model;
 
 /// Size and shape of the annulus. Diameters are straight distances in space between landmarks.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AnnulusMeasures {
     /// Anteroposterior (septolateral) diameter: mid-anterior to mid-posterior [mm].
     pub ap_mm: f64,

@@ -1,6 +1,6 @@
 //! How far the leaflets lie on each other: contact area, line of closure, coaptation length.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::annulus::plane_of;
 use super::distance::{point_segment, triangle_area};
@@ -18,7 +18,7 @@ use crate::model::Model;
 /// beyond the contact thickness runs linearly, as it does where round sheets part, so that areas and lines neither jump
 /// from vertex to vertex nor shrink on coarse meshes. A valve given as one leaflet is measured by its
 /// contact with itself.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CoaptationMeasures {
     /// Area of contact [mm²]: half the sum over both sides.
     pub area_mm2: f64,

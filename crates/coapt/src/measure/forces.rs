@@ -1,12 +1,12 @@
 //! Chordal tensions and the forces on the papillary muscles and the annulus.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::Vec3;
 use crate::model::{ChordGroup, ChordKind, Model};
 
 /// Chordal tensions, of the patient's own chordae and of neochordae.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ChordMeasures {
     /// Largest tension of any segment [N].
     pub max_force_n: f64,
@@ -18,7 +18,7 @@ pub struct ChordMeasures {
 }
 
 /// Chordal tensions of one group.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChordGroupMeasures {
     /// Name of the group.
     pub name: String,
@@ -29,7 +29,7 @@ pub struct ChordGroupMeasures {
 }
 
 /// Tensions of the sutures of one repair: stitches, or what the grip of a clip carries.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SutureMeasures {
     /// Name of the repair.
     pub name: String,
@@ -40,7 +40,7 @@ pub struct SutureMeasures {
 }
 
 /// Force on one papillary muscle.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PapillaryMeasures {
     /// Name.
     pub name: String,

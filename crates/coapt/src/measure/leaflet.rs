@@ -1,6 +1,6 @@
 //! Leaflet areas and strains.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::distance::triangle_area;
 use super::statistics::percentile;
@@ -9,7 +9,7 @@ use crate::Vec3;
 use crate::model::Model;
 
 /// One leaflet's area and strain.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LeafletMeasures {
     /// Name.
     pub name: String,

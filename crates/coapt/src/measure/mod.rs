@@ -11,8 +11,10 @@ pub mod flow;
 pub mod forces;
 pub mod gap;
 pub mod leaflet;
+pub mod leaflet_map;
 pub mod orifice;
 pub mod tenting;
+pub mod valve_frame;
 pub mod visible;
 
 pub(crate) mod atrial_view;
@@ -31,7 +33,7 @@ mod test_models;
 mod tree;
 mod ways;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::Vec3;
 use crate::model::Model;
@@ -42,13 +44,15 @@ pub use diastole::{DiastolicOrifice, diastolic_orifice};
 pub use forces::{ChordGroupMeasures, ChordMeasures, PapillaryMeasures, SutureMeasures, chord_forces};
 pub use gap::{gap_mm, in_contact};
 pub use leaflet::{LeafletMeasures, vertex_strain};
+pub use leaflet_map::{LeafletMap, leaflet_map};
 pub use orifice::OrificeMeasures;
 pub use statistics::DistanceStatistics;
 pub use tenting::{BillowMeasures, TentingMeasures};
+pub use valve_frame::{ValveFrame, annulus_distance_mm, valve_frame};
 pub use visible::{VisibleDistance, visible_distance};
 
 /// Everything that is reported of one closed state.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measures {
     /// Size and shape of the annulus.
     pub annulus: AnnulusMeasures,

@@ -1,6 +1,6 @@
 //! What is left open: the anatomic regurgitant orifice at the free margin.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::distance::point_segment;
 use super::gap::{Gaps, threshold_mm};
@@ -21,7 +21,7 @@ use crate::model::{Margin, Model};
 /// Where an open margin has no open margin across from it, or one that is much farther than the leaflet it belongs to
 /// (an everted flap), margins do not bound the hole: there it is half of each side's strip between the open margin
 /// and the nearest tissue of another leaflet. Edges of one leaflet that stitches hold in contact are no margin.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OrificeMeasures {
     /// Anatomic regurgitant orifice area [mm²]: sum over the holes of the smallest triangulated surface that spans
     /// the hole's rim.

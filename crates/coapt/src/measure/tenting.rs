@@ -1,6 +1,6 @@
 //! The closed leaflets against the annular surface: tenting below it, billow above.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::annulus::{annulus_curve, plane_of};
 use super::plane::{AnnularPlane, edges_closed};
@@ -14,7 +14,7 @@ use crate::model::Model;
 /// The leaflets are seen from the atrium: of what lies above each other the uppermost counts, so that the coaptation
 /// zone, which hangs below the line of closure, does not. The annular surface is the fan of triangles from the
 /// centre of the annulus to its edges, not the plane. A gap between the leaflets is bridged at the height of its rim.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TentingMeasures {
     /// Greatest depth below the annular surface [mm].
     pub height_mm: f64,
@@ -26,7 +26,7 @@ pub struct TentingMeasures {
 }
 
 /// The closed leaflets on the atrial side of the annular surface, defined as in [`TentingMeasures`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BillowMeasures {
     /// Greatest height above the annular surface [mm].
     pub height_mm: f64,

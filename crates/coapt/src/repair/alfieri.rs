@@ -11,7 +11,7 @@ use crate::scene::{Alfieri, Fault};
 const SPACING_MM: f64 = 2.0;
 
 /// What was sewn.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AlfieriReport {
     /// Share of the margin from the anterolateral commissure [1].
     pub position: f64,

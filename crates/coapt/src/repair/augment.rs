@@ -41,7 +41,7 @@ const MOST_DISTORTION: f64 = 0.15;
 const MOST_WIDTH_MM: f64 = 30.0;
 
 /// What was set in.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AugmentReport {
     /// Name of the leaflet.
     pub leaflet: String,

@@ -19,7 +19,7 @@ const SPACING_MM: f64 = 2.0;
 const MOST_LEAN_DEG: f64 = 45.0;
 
 /// What a clip grips.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ClipReport {
     /// Share of the margin from the anterolateral commissure [1].
     pub position: f64,

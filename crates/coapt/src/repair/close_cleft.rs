@@ -16,7 +16,7 @@ const SPACING_MM: f64 = 2.0;
 const SHALLOW_MM: f64 = 1.0;
 
 /// What was sewn.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CleftReport {
     /// Share of the posterior margin at which the bottom was found [1].
     pub position: f64,

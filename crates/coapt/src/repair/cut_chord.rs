@@ -9,7 +9,7 @@ use crate::repair::{Repaired, Report};
 use crate::scene::{ChordPart, CutChord, Fault};
 
 /// What was cut.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CutReport {
     /// Chordae, or branches, that were cut.
     pub count: usize,

@@ -18,7 +18,7 @@ const DIAMETER_MM: f64 = 0.31;
 const PLAUSIBLE_MM: std::ops::RangeInclusive<f64> = 7.0..=48.0;
 
 /// What was strung.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct NeochordReport {
     /// Name of the chord group.
     pub name: String,

@@ -11,7 +11,7 @@ use crate::scene::{AnnulusPlace, Fault, RelocatePapillary};
 const DOUBTFUL_MM: f64 = 30.0;
 
 /// What was moved.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RelocationReport {
     /// Name of the muscle.
     pub muscle: String,

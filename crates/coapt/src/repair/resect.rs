@@ -32,7 +32,7 @@ const STRIP_MM: f64 = 3.0;
 const LEAST_STRIP_MM: f64 = 1.0;
 
 /// What was cut out.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ResectReport {
     /// Name of the leaflet.
     pub leaflet: String,

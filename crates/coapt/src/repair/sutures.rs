@@ -28,7 +28,7 @@ pub struct Stitch {
 }
 
 /// What sewing did.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Sewn {
     /// Name of the chord group that holds the sutures.
     pub name: String,

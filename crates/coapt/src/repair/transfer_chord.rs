@@ -11,7 +11,7 @@ use crate::repair::{Repaired, Report};
 use crate::scene::{Fault, TransferChord};
 
 /// What was moved.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TransferReport {
     /// Name of the chord's group.
     pub group: String,

@@ -1,0 +1,39 @@
+//! `coapt report`: one page of a result.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use coapt_io::atomic::write_text_atomically;
+use coapt_io::page::{page_html, read_page};
+
+use crate::output::{Failure, Verdict, say};
+
+/// What `coapt report` understands.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The folder that `coapt closure --out` or `coapt plan --out --shapes` wrote
+    result: PathBuf,
+    /// The page, an HTML file; an old one is replaced
+    #[arg(short, long, value_name = "FILE", default_value = "report.html")]
+    out: PathBuf,
+    /// Of a plan, show the shapes of so many alternatives, the first-ranked first; the table has all
+    #[arg(long, value_name = "N", default_value_t = 30)]
+    most: usize,
+}
+
+/// Runs the verb.
+pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
+    let page = read_page(&arguments.result, arguments.most)?;
+    let html = page_html(&page).map_err(Failure::Outside)?;
+    write_text_atomically(&arguments.out, html.as_bytes()).map_err(Failure::Outside)?;
+    say(&format!(
+        "the page is in {}; open it in any browser",
+        arguments.out.display()
+    ));
+    Ok(
+        match page.states.iter().all(|state| state.certificate.certified) {
+            true => Verdict::Done,
+            false => Verdict::Uncertified,
+        },
+    )
+}

@@ -1,0 +1,389 @@
+//! Tables and words of a page, which are there without any script.
+
+use std::fmt::Write;
+
+use quick_xml::escape::escape;
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::{Certificate, Page, PageState, Seals};
+use crate::report::{
+    LeftOutReport, RepairReport, TableRow, UntangledReport, is_zero, left_out_line, number, reasons,
+    repair_line, untangled_line,
+};
+
+const FRAME: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("../../viewer/built/report.js");
+
+/// The whole page; `data` is what its script reads.
+pub(super) fn fill(page: &Page, data: &str) -> String {
+    let title = match &page.plan {
+        None => page.case.clone(),
+        Some(plan) if plan.is_empty() => format!("{}: plans compared", page.case),
+        Some(plan) => format!("{}: {plan}", page.case),
+    };
+    let report = serde_json::to_string_pretty(&page.report).unwrap_or_default();
+    let parts = [
+        ("title", word(&title)),
+        ("style", STYLE.to_owned()),
+        ("facts", facts(page)),
+        ("verdicts", verdicts(page) + &changed(page)),
+        ("choices", choices(page)),
+        ("measures", measures(page)),
+        ("alternatives", alternatives(page)),
+        ("trust", trust(page)),
+        ("report", word(&report)),
+        ("data", data.to_owned()),
+        ("script", SCRIPT.to_owned()),
+    ];
+    // Piece by piece: what is filled in may hold braces of its own.
+    let mut out = String::new();
+    let mut rest = FRAME;
+    while let Some((before, after)) = rest.split_once("{{") {
+        out += before;
+        let (name, after) = after.split_once("}}").unwrap_or((after, ""));
+        if let Some((_, part)) = parts.iter().find(|part| part.0 == name) {
+            out += part;
+        }
+        rest = after;
+    }
+    out + rest
+}
+
+/// Text that is no markup; control letters, which HTML does not allow, become spaces.
+fn word(text: &str) -> String {
+    let letters = text.chars().map(|letter| match letter {
+        '\n' | '\t' => letter,
+        letter if letter.is_control() => ' ',
+        letter => letter,
+    });
+    escape(letters.collect::<String>()).into_owned()
+}
+
+fn facts(page: &Page) -> String {
+    let mesh = &page.report["mesh"];
+    word(&format!(
+        "Mitral valve closed at {} mmHg; {} triangles, {} chord segments; coapt {}",
+        number(page.pressure_mmhg, 0),
+        mesh["faces"],
+        mesh["chords"],
+        page.version
+    ))
+}
+
+fn verdicts(page: &Page) -> String {
+    let shown = match page.plan {
+        Some(_) => &page.states[..1],
+        None => &page.states[..],
+    };
+    shown.iter().map(verdict).collect()
+}
+
+fn verdict(state: &PageState) -> String {
+    let name = word(&state.name);
+    let certificate = &state.certificate;
+    match certificate.certified {
+        true => format!(
+            "<p class=\"verdict certified\">{name}: CERTIFIED (converged, stable, no surfaces cross)</p>\n"
+        ),
+        false => format!(
+            "<p class=\"verdict uncertified\">{name}: NOT CERTIFIED ({}); figures of a shape that is not certified are no \
+             prediction</p>\n",
+            doubt(certificate)
+        ),
+    }
+}
+
+fn doubt(certificate: &Certificate) -> String {
+    word(&reasons(
+        certificate.status,
+        certificate.stable,
+        certificate.crossings,
+    ))
+}
+
+/// What was changed of the valve as given, where something was.
+fn changed(page: &Page) -> String {
+    let untangled = UntangledReport::deserialize(&page.report["untangled"]).ok();
+    let left_out = Vec::<LeftOutReport>::deserialize(&page.report["chordae_left_out"]).unwrap_or_default();
+    let left_out = (!left_out.is_empty()).then(|| left_out_line(&left_out));
+    let lines = [untangled.as_ref().map(untangled_line), left_out];
+    let told = lines.into_iter().flatten();
+    told.map(|line| format!("<p class=\"verdict uncertified\">{}</p>\n", word(&line)))
+        .collect()
+}
+
+fn choices(page: &Page) -> String {
+    if page.states.len() < 2 {
+        return String::new();
+    }
+    let mut out = String::new();
+    let buttons = [("before", "Before"), ("after", "After"), ("both", "Side by side")];
+    for (value, name) in buttons {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "<button type=\"button\" data-shown=\"{value}\">{name}</button>"
+        );
+    }
+    if page.plan.is_some() {
+        out += "<label>After <select id=\"after\">";
+        for (number, state) in page.states.iter().enumerate().skip(1) {
+            let place = place(state);
+            let _ = write!(
+                out,
+                "<option value=\"{number}\">{place} {}</option>",
+                word(&state.name)
+            );
+        }
+        out += "</select></label>\n";
+    }
+    out
+}
+
+/// `1.`, or why it has no place.
+fn place(state: &PageState) -> String {
+    match state.rank {
+        Some(rank) => format!("{rank}."),
+        None => "not certified:".to_owned(),
+    }
+}
+
+fn measures(page: &Page) -> String {
+    let mut out = String::from("<h2>Measures</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th>");
+    let after = page.states.get(1);
+    match after {
+        Some(after) => {
+            let _ = write!(
+                out,
+                "</th><th></th><th>before</th><th id=\"after-heading\">{}</th><th>change</th>",
+                word(&after.name)
+            );
+        }
+        None => out += "</th><th></th><th>closed</th>",
+    }
+    out += "</tr></thead>\n<tbody>\n";
+    let mut title = "";
+    for (place, row) in page.rows.iter().enumerate() {
+        if row.title != title {
+            title = &row.title;
+            let _ = writeln!(
+                out,
+                "<tr><th colspan=\"5\" scope=\"rowgroup\">{}</th></tr>",
+                word(title)
+            );
+        }
+        out += &measure(place, row, after.is_some());
+    }
+    out + "</tbody></table></div>"
+}
+
+fn measure(place: usize, row: &TableRow, has_after: bool) -> String {
+    let told = |value: Option<f64>| value.map_or("–".to_owned(), |value| readable(value, row.digits));
+    let [before, after] = [0, 1].map(|state| row.values.get(state).copied().flatten());
+    let mut out = format!(
+        "<tr><td>{}</td><td class=\"unit\">{}</td><td>{}</td>",
+        word(&row.name),
+        row.unit,
+        told(before)
+    );
+    if has_after {
+        let change = before.zip(after).map(|(before, after)| after - before);
+        let sign = match change {
+            Some(change) if change > 0.0 && !is_zero(change, row.digits) => "+",
+            _ => "",
+        };
+        let change = change.map_or(String::new(), |change| readable(change, row.digits));
+        let _ = write!(
+            out,
+            "<td id=\"after-{place}\">{}</td><td id=\"change-{place}\">{sign}{change}</td>",
+            told(after)
+        );
+    }
+    out + "</tr>\n"
+}
+
+fn readable(value: f64, digits: usize) -> String {
+    number(value, digits).replace('-', "−")
+}
+
+/// A column of the table of alternatives.
+struct Column {
+    heading: &'static str,
+    /// Where its value stands in the plan's report.
+    path: &'static str,
+    /// From there to the unit of the heading.
+    factor: f64,
+    digits: usize,
+}
+
+const fn column(heading: &'static str, path: &'static str, digits: usize) -> Column {
+    Column {
+        heading,
+        path,
+        factor: 1.0,
+        digits,
+    }
+}
+
+const COLUMNS: [Column; 8] = [
+    column("orifice [mm²]", "/orifice/area_mm2", 1),
+    column("widest gap [mm]", "/orifice/max_gap_mm", 1),
+    column("coaptation, mean [mm]", "/coaptation/length_mean_mm", 1),
+    column("contact [mm²]", "/coaptation/area_mm2", 0),
+    column("tenting [mm]", "/tenting/height_mm", 1),
+    column("largest chord force [N]", "/chords/max_force_n", 2),
+    column("open orifice [mm²]", "/diastole/area_mm2", 0),
+    Column {
+        factor: 100.0,
+        ..column("seals [%]", "/uncertainty/sealed/estimate", 0)
+    },
+];
+
+fn alternatives(page: &Page) -> String {
+    if page.plan.is_none() {
+        return String::new();
+    }
+    let rows = page.report["alternatives"]
+        .as_array()
+        .map_or(&[][..], Vec::as_slice);
+    let is_known = |path: &str| {
+        rows.iter()
+            .any(|row| row.pointer(path).is_some_and(Value::is_number))
+    };
+    let columns: Vec<&Column> = COLUMNS.iter().filter(|column| is_known(column.path)).collect();
+    let mut out = String::from(
+        "<section class=\"alternatives\" aria-label=\"Alternatives\">\n<h2>Alternatives, the best first</h2>\n<p class=\"words\">",
+    );
+    out += &ranked_by(&page.report);
+    out += " Choose a row to see it above.</p>\n<div class=\"scroll\"><table>\n<thead><tr><th>rank</th><th class=\"name\">what is done</th>";
+    for column in &columns {
+        let _ = write!(out, "<th>{}</th>", column.heading);
+    }
+    out += "</tr></thead>\n<tbody>\n";
+    out += &alternative("", "before (nothing done)", "", &page.report["before"], &columns);
+    // Shapes were taken in the order of the rows.
+    let mut shapes = 1..page.states.len();
+    for row in rows {
+        let rank = match (row["rank"].as_u64(), row["solve"].is_object()) {
+            (Some(rank), _) => rank.to_string(),
+            (None, true) => "not certified".to_owned(),
+            (None, false) => "not possible".to_owned(),
+        };
+        let chosen = row["solve"].is_object().then(|| shapes.next()).flatten();
+        let chosen = chosen.map_or(String::new(), |number| {
+            format!(" data-state=\"{number}\" tabindex=\"0\"")
+        });
+        let faults: Vec<&str> = row["faults"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .filter_map(Value::as_str)
+            .collect();
+        let name = row["name"].as_str().unwrap_or("?").to_owned();
+        let name = if faults.is_empty() {
+            name
+        } else {
+            format!("{name}: {}", faults.join("; "))
+        };
+        out += &alternative(&rank, &name, &chosen, row, &columns);
+    }
+    out + "</tbody></table></div>\n</section>"
+}
+
+fn alternative(rank: &str, name: &str, attributes: &str, told: &Value, columns: &[&Column]) -> String {
+    let mut out = format!(
+        "<tr{attributes}><td>{rank}</td><td class=\"name\">{}</td>",
+        word(name)
+    );
+    for column in columns {
+        let value = told.pointer(column.path).and_then(Value::as_f64);
+        let told = value.map(|value| readable(value * column.factor, column.digits));
+        let _ = write!(out, "<td>{}</td>", told.unwrap_or_else(|| "–".to_owned()));
+    }
+    out + "</tr>\n"
+}
+
+fn ranked_by(report: &Value) -> String {
+    let criteria = report["ranking"].as_array().into_iter().flatten();
+    let told: Vec<String> = criteria
+        .map(|criterion| {
+            let name = criterion["criterion"].as_str().unwrap_or("?").replace('_', " ");
+            let unit = criterion["unit"].as_str().unwrap_or("");
+            format!("{name} (in steps of {} {unit})", criterion["bin"])
+        })
+        .collect();
+    word(&format!(
+        "Ranked by {}; what is not certified is not ranked.",
+        told.join(", then ")
+    ))
+}
+
+fn trust(page: &Page) -> String {
+    let states = page.states.iter().enumerate();
+    let mut out: String = states.map(|(number, state)| certificate(number, state)).collect();
+    let repairs = page.report["repairs"].as_array().into_iter().flatten();
+    let repairs = repairs.filter_map(|repair| RepairReport::deserialize(repair).ok());
+    out += &told("What was done", repairs.map(|repair| repair_line(&repair)));
+    let warnings = page.report["warnings"].as_array().into_iter().flatten();
+    let warnings = warnings.filter_map(|text| text.as_str().map(str::to_owned));
+    out + &told("Doubts about the input", warnings)
+}
+
+fn told(heading: &str, lines: impl Iterator<Item = String>) -> String {
+    let lines: String = lines.map(|line| format!("<li>{}</li>", word(&line))).collect();
+    if lines.is_empty() {
+        return String::new();
+    }
+    format!("<h3>{heading}</h3>\n<ul>{lines}</ul>\n")
+}
+
+/// The certificate of a state, and how often valves like it seal where that is known.
+fn certificate(number: usize, state: &PageState) -> String {
+    let certificate = &state.certificate;
+    let verdict = match certificate.certified {
+        true => "yes: converged, stable, no surfaces cross".to_owned(),
+        false => format!("NO: {}", doubt(certificate)),
+    };
+    let mut lines = vec![
+        ("certified", verdict),
+        (
+            "largest force left",
+            format!(
+                "{:.1e} of the mean force of the pressure on a point",
+                certificate.residual
+            ),
+        ),
+        (
+            "deepest contact",
+            format!(
+                "{:.2} mm nearer than the contact distance",
+                certificate.max_penetration_mm
+            ),
+        ),
+        (
+            "what the mesh costs",
+            format!(
+                "{:.2} mm from an infinitely fine mesh, root mean square (estimate)",
+                certificate.discretisation_mm
+            ),
+        ),
+        ("iterations", certificate.iterations.to_string()),
+    ];
+    if let Some(Seals { probability, samples }) = state.seals {
+        let [estimate, low, high] = probability.map(|part| 100.0 * part);
+        lines.push((
+            "seals",
+            format!(
+                "{estimate:.0} % of {samples} valves that an image could not tell from it (95 % interval {low:.0} to {high:.0} %)"
+            ),
+        ));
+    }
+    let lines: String = lines
+        .iter()
+        .map(|(name, value)| format!("<dt>{name}</dt><dd>{}</dd>\n", word(value)))
+        .collect();
+    let name = word(&state.name);
+    format!("<div data-details=\"{number}\"><h3>{name}</h3>\n<dl>{lines}</dl></div>\n")
+}

@@ -1,0 +1,76 @@
+// Colour maps that the colour-blind can read, and what is coloured with them.
+
+// Cividis (Nunez et al. 2018), viridis (van der Walt and Smith 2015): nine stops of each. Blue to orange is ours: dark ends, light middle.
+const STOPS = {
+  cividis: ["00224e", "123570", "3b496c", "575d6d", "707173", "8a8678", "a59c74", "c3b369", "fee838"],
+  viridis: ["440154", "472d7b", "3b528b", "2c728e", "21918c", "28ae80", "5ec962", "addc30", "fde725"],
+  "blue-orange": ["0b4f8a", "2f7fbf", "7db3dd", "c4dcef", "f5f3ee", "fbd9ae", "f3ab5a", "d1751c", "8f4500"],
+};
+
+const parse = (hex) => [0, 2, 4].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255);
+const TABLES = Object.fromEntries(Object.entries(STOPS).map(([name, stops]) => [name, stops.map(parse)]));
+
+// Red, green and blue, each from 0 to 1, of a share from 0 to 1 of a map.
+export function colourAt(map, share) {
+  const table = TABLES[map];
+  const at = Math.min(Math.max(Number.isFinite(share) ? share : 0, 0), 1) * (table.length - 1);
+  const low = Math.min(Math.floor(at), table.length - 2);
+  return table[low].map((from, channel) => from + (table[low + 1][channel] - from) * (at - low));
+}
+
+export function css([red, green, blue]) {
+  return `rgb(${[red, green, blue].map((part) => Math.round(part * 255)).join(",")})`;
+}
+
+export const LEAFLET_COLOURS = ["c05a4a", "4a7fb0", "6f9a4f", "9a6fb0"].map(parse);
+export const SLACK_COLOUR = parse("9a9a9a");
+
+// What a valve can be coloured by. `top`: values beyond it look alike; none where the data say how far to go.
+export const QUANTITIES = {
+  gap_mm: { label: "distance to the other leaflet", unit: "mm", map: "cividis", bottom: 0, top: 6 },
+  contact: { label: "contact with the other leaflet", unit: "", map: "cividis", bottom: 0, top: 1, ends: ["free", "in contact"] },
+  strain: { label: "largest strain", unit: "%", factor: 100, map: "viridis", bottom: 0 },
+  displacement_mm: { label: "way from the open valve", unit: "mm", map: "viridis", bottom: 0 },
+  annulus_distance_mm: { label: "height above the annular plane", unit: "mm", map: "blue-orange", symmetric: true },
+  leaflet: { label: "leaflet", unit: "" },
+};
+
+// The values between which a quantity's colours run, the same for all states, so that equal colours are equal values.
+export function range(name, fieldsOfStates) {
+  const quantity = QUANTITIES[name];
+  if (quantity.top !== undefined) return [quantity.bottom, quantity.top];
+  let reach = 0;
+  for (const fields of fieldsOfStates) for (const value of fields[name] ?? []) if (Number.isFinite(value)) reach = Math.max(reach, Math.abs(value));
+  reach = niceAbove(reach);
+  return quantity.symmetric ? [-reach, reach] : [quantity.bottom, reach];
+}
+
+// The next of 1, 2, 3, 5, 8 times a power of ten.
+export function niceAbove(value) {
+  if (!(value > 0)) return 1;
+  const power = 10 ** Math.floor(Math.log10(value));
+  const step = [1, 2, 3, 5, 8, 10].find((step) => step * power >= value * (1 - 1e-9));
+  return step * power;
+}
+
+// Colours of vertices, shape `[vertex, 3]`.
+export function vertexColours(name, values, [low, high]) {
+  const { map } = QUANTITIES[name];
+  const colours = new Float32Array(values.length * 3);
+  values.forEach((value, vertex) => colours.set(colourAt(map, (value - low) / (high - low)), 3 * vertex));
+  return colours;
+}
+
+// A legend as CSS and the words at its ticks.
+export function legend(name, [low, high]) {
+  const quantity = QUANTITIES[name];
+  const shares = [0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1];
+  const gradient = `linear-gradient(to right, ${shares.map((share) => css(colourAt(quantity.map, share))).join(", ")})`;
+  const number = (share) => shortNumber((low + (high - low) * share) * (quantity.factor ?? 1));
+  const ticks = quantity.ends ?? [number(0), number(0.5), number(1) + (quantity.top !== undefined ? " or more" : "")];
+  return { gradient, ticks, title: quantity.unit ? `${quantity.label} [${quantity.unit}]` : quantity.label };
+}
+
+export function shortNumber(value) {
+  return String(Number(value.toPrecision(3))).replace("-", "−");
+}

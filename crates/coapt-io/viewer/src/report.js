@@ -1,0 +1,249 @@
+// The page of a report: what its controls do. The page itself, with all tables, is written by the program.
+
+import { LEAFLET_COLOURS, QUANTITIES, css, legend, niceAbove, range, shortNumber, vertexColours } from "./colours.js";
+import { decodeGeometry } from "./decode.js";
+import { drawForces, drawSection, drawUnrolled } from "./drawings.js";
+import { DIRECTIONS, chordLines, createValve, createView, draw, fit, lookFrom, requestDraw, setMesh, setShape, vertexAt } from "./valve3d.js";
+
+const find = (id) => document.getElementById(id);
+const data = JSON.parse(find("data").textContent);
+const states = data.states.map((state) => ({ ...state, geometry: decodeGeometry(state.geometry) }));
+const largestForce = niceAbove(Math.max(0, ...states.flatMap(({ geometry }) => [...(geometry.chords?.force_n ?? [])])));
+
+// What the reader has chosen. `shown`: before, after or both; `after`: which state counts as after; `frame`: how far the valve is closed.
+const choice = { shown: data.after ? "after" : "before", after: data.after, quantity: "gap_mm", frame: 0, section_mm: 0, edges: false, chordae: true };
+const view = createView(find("view"));
+const loaded = new WeakMap();
+
+function shownStates() {
+  if (choice.shown === "both") return [0, choice.after];
+  return [choice.shown === "after" ? choice.after : 0];
+}
+
+// Without a recording there is only open and closed.
+function frameCount() {
+  return Math.max(...shownStates().map((number) => states[number].geometry.film?.frames.length ?? 1));
+}
+
+// Positions, fields and chord points of a state at the chosen frame: 0 is the open valve, the last the closed one.
+function shape({ geometry }) {
+  const last = frameCount();
+  if (choice.frame === 0) return { positions: geometry.open, fields: {}, chords: geometry.chords?.open, open: true };
+  if (choice.frame < last && geometry.film) {
+    const frame = geometry.film.frames[Math.min(choice.frame, geometry.film.frames.length) - 1];
+    return { ...frame, film: geometry.film, number: choice.frame - 1 };
+  }
+  return { positions: geometry.closed, fields: geometry.fields, chords: geometry.chords?.closed, closed: true };
+}
+
+function coloursOf({ geometry }, { fields }, limits) {
+  const count = geometry.open.length / 3;
+  const values = fields[choice.quantity];
+  if (choice.quantity !== "leaflet" && values) return vertexColours(choice.quantity, values, limits);
+  const colours = new Float32Array(3 * count).fill(0.75);
+  if (choice.quantity === "leaflet") {
+    geometry.faceLeaflet.forEach((leaflet, face) => {
+      for (let corner = 0; corner < 3; corner += 1) colours.set(LEAFLET_COLOURS[leaflet % LEAFLET_COLOURS.length], 3 * geometry.faces[3 * face + corner]);
+    });
+  }
+  return colours;
+}
+
+function limits() {
+  return choice.quantity === "leaflet" ? null : range(choice.quantity, states.map(({ geometry }) => geometry.fields));
+}
+
+function refresh() {
+  choice.frame = Math.min(choice.frame, frameCount());
+  const between = limits();
+  const numbers = shownStates();
+  while (view.panes.length < numbers.length) view.panes.push(createValve(data.frame));
+  view.panes.length = numbers.length;
+  numbers.forEach((number, pane) => {
+    const state = states[number];
+    const valve = view.panes[pane];
+    if (loaded.get(valve) !== number) setMesh(valve, state.geometry);
+    loaded.set(valve, number);
+    const now = shape(state);
+    const colours = coloursOf(state, now, between);
+    const { chords } = state.geometry;
+    setShape(valve, now.positions, colours, choice.chordae && chords && now.chords ? chordLines(chords, now.chords, largestForce) : null);
+    valve.edges.visible = choice.edges;
+    // A ring lies where the annulus goes to, not where it is in the open valve.
+    valve.rings.visible = !now.open;
+  });
+  requestDraw(view);
+  refreshWords(numbers);
+  refreshLegend(between);
+  refreshDrawings(numbers.at(-1), between);
+  refreshTable();
+}
+
+function refreshWords(numbers) {
+  find("titles").replaceChildren(
+    ...numbers.map((number) => {
+      const title = document.createElement("span");
+      title.textContent = `${states[number].name}: ${states[number].certified ? "certified" : "NOT CERTIFIED"}`;
+      title.className = states[number].certified ? "certified" : "uncertified";
+      return title;
+    }),
+  );
+  find("view").setAttribute("aria-label", `Valve in three dimensions: ${numbers.map((number) => states[number].name).join(" and ")}, ${poseWords()}. Arrow keys turn it, plus and minus move nearer and away.`);
+  find("pose").max = frameCount();
+  find("pose").value = choice.frame;
+  find("pose-value").textContent = poseWords();
+}
+
+function poseWords() {
+  if (choice.frame === 0) return "open, as given";
+  if (choice.frame >= frameCount()) return `closed at ${shortNumber(data.pressure_mmhg)} mmHg`;
+  const film = shownStates().map((number) => states[number].geometry.film).find(Boolean);
+  const number = choice.frame - 1;
+  return `${shortNumber(film.pressures_mmhg[number])} mmHg${film.certified[number] ? "" : " (did not come to rest)"}`;
+}
+
+function refreshLegend(between) {
+  const bar = find("legend-bar");
+  if (!between) {
+    bar.style.background = `linear-gradient(to right, ${css(LEAFLET_COLOURS[0])} 50%, ${css(LEAFLET_COLOURS[1])} 50%)`;
+    find("legend-title").textContent = "leaflet";
+    find("legend-ticks").replaceChildren(...["anterior", "posterior"].map(span));
+    return;
+  }
+  const { gradient, ticks, title } = legend(choice.quantity, between);
+  bar.style.background = gradient;
+  find("legend-title").textContent = title;
+  find("legend-ticks").replaceChildren(...ticks.map(span));
+}
+
+function span(text) {
+  const made = document.createElement("span");
+  made.textContent = text;
+  return made;
+}
+
+function refreshDrawings(number, between) {
+  const state = states[number];
+  const { geometry } = state;
+  const now = shape(state);
+  const shapes = [{ positions: geometry.open, faint: true }, { positions: now.positions }];
+  drawSection(find("section"), geometry, now.open ? shapes.slice(1) : shapes, data.frame, choice.section_mm, data.reach_mm);
+  find("section-value").textContent = sectionWords();
+  find("section-caption").textContent = state.name;
+  drawUnrolled(find("unrolled"), geometry, geometry.fields.along, geometry.fields.from_margin_mm, coloursOf(state, now, between));
+  find("unrolled-caption").textContent = state.name;
+  find("forces-block").hidden = !geometry.chords;
+  if (geometry.chords) drawForces(find("forces"), geometry.chords, state.chord_groups, largestForce);
+  find("forces-caption").textContent = state.name;
+}
+
+function sectionWords() {
+  if (choice.section_mm === 0) return "through the middle (A2-P2)";
+  return `${shortNumber(Math.abs(choice.section_mm))} mm to the ${choice.section_mm < 0 ? "anterolateral" : "posteromedial"} side`;
+}
+
+// Numbers of the table's second and third column, for the state that counts as after.
+function refreshTable() {
+  if (!data.after) return;
+  find("after-heading").textContent = states[choice.after].name;
+  data.rows.forEach(({ digits, values }, row) => {
+    const [before, after] = [values[0], values[choice.after]];
+    find(`after-${row}`).textContent = number(after, digits);
+    find(`change-${row}`).textContent = before === null || after === null ? "" : number(after - before, digits, true);
+  });
+  document.querySelectorAll("tr[data-state]").forEach((line) => line.setAttribute("aria-selected", Number(line.dataset.state) === choice.after));
+  document.querySelectorAll("[data-details]").forEach((block) => (block.hidden = ![0, choice.after].includes(Number(block.dataset.details))));
+}
+
+function number(value, digits, signed = false) {
+  if (value === null) return "–";
+  const text = Math.abs(value).toFixed(digits);
+  if (Number(text) === 0) return text;
+  if (value < 0) return `−${text}`;
+  return signed ? `+${text}` : text;
+}
+
+// --- controls
+
+function pressed(group, chosen) {
+  document.querySelectorAll(`[data-${group}]`).forEach((button) => button.setAttribute("aria-pressed", button.dataset[group] === chosen));
+}
+
+function onClick(group, action) {
+  document.querySelectorAll(`[data-${group}]`).forEach((button) => button.addEventListener("click", () => action(button.dataset[group])));
+}
+
+function choose(changes) {
+  Object.assign(choice, changes);
+  pressed("shown", choice.shown);
+  refresh();
+}
+
+onClick("shown", (shown) => choose({ shown }));
+onClick("direction", (name) => lookFrom(view, name));
+for (const [name, { label }] of Object.entries(QUANTITIES)) {
+  if (name === "leaflet" || states.every(({ geometry }) => name in geometry.fields)) find("quantity").add(new Option(label, name));
+}
+find("quantity").addEventListener("change", ({ target }) => choose({ quantity: target.value }));
+find("edges").addEventListener("change", ({ target }) => choose({ edges: target.checked }));
+find("chordae").addEventListener("change", ({ target }) => choose({ chordae: target.checked }));
+find("pose").addEventListener("input", ({ target }) => choose({ frame: Number(target.value) }));
+find("section-offset").addEventListener("input", ({ target }) => choose({ section_mm: Number(target.value) }));
+find("after")?.addEventListener("change", ({ target }) => chooseAfter(Number(target.value)));
+document.querySelectorAll("tr[data-state]").forEach((line) => {
+  line.addEventListener("click", () => chooseAfter(Number(line.dataset.state)));
+  line.addEventListener("keydown", (event) => {
+    if (event.key !== "Enter" && event.key !== " ") return;
+    event.preventDefault();
+    chooseAfter(Number(line.dataset.state));
+  });
+});
+
+function chooseAfter(after) {
+  if (find("after")) find("after").value = after;
+  choose({ after, shown: choice.shown === "before" ? "after" : choice.shown });
+}
+
+const FRAME_MS = 60;
+let playing = null;
+
+find("play").addEventListener("click", () => {
+  if (playing) return stop();
+  if (choice.frame >= frameCount()) choose({ frame: 0 });
+  find("play").textContent = "Pause";
+  playing = setInterval(() => {
+    choose({ frame: choice.frame + 1 });
+    if (choice.frame >= frameCount()) stop();
+  }, FRAME_MS);
+});
+
+function stop() {
+  clearInterval(playing);
+  playing = null;
+  find("play").textContent = "Close the valve";
+}
+
+find("view").addEventListener("pointermove", (event) => {
+  const hit = vertexAt(view, event.offsetX, event.offsetY);
+  find("probe").textContent = hit ? probeWords(hit) : "";
+});
+
+function probeWords({ pane, vertex }) {
+  const state = states[shownStates()[pane]];
+  const value = shape(state).fields[choice.quantity]?.[vertex];
+  if (value === undefined || choice.quantity === "leaflet") return "";
+  const { label, unit, factor = 1, ends } = QUANTITIES[choice.quantity];
+  return ends ? ends[Math.round(value)] : `${label}: ${shortNumber(value * factor)} ${unit}`;
+}
+
+// On paper the drawing takes the size that the page then has.
+window.addEventListener("beforeprint", () => draw(view));
+window.addEventListener("afterprint", () => requestDraw(view));
+
+find("section-offset").max = Math.floor(data.reach_mm);
+find("section-offset").min = -Math.floor(data.reach_mm);
+view.controls.target.set(0, 0, -0.3 * data.reach_mm);
+// Open leaflets reach farther down than they do across.
+fit(view, 0.85 * data.reach_mm);
+lookFrom(view, Object.keys(DIRECTIONS)[0]);
+choose({ frame: frameCount() });

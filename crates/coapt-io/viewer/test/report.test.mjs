@@ -1,0 +1,153 @@
+// Reports in a real browser: pictures are there, controls do what they say, and nothing is asked of the network.
+
+import assert from "node:assert/strict";
+import { readFileSync, statSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { coapt, folder, launch, open, pixels, settled, write } from "./browser.mjs";
+
+let browser;
+const PLAN = `
+schema_version = 1
+name = "rings & <clips>"
+
+[[alternative]]
+[[alternative.repair]]
+kind = "ring"
+family = "physio-like"
+size_mm = [28, 30, 32]
+
+[[alternative]]
+[[alternative.repair]]
+kind = "clip"
+site = ["A1P1", "A2P2", "A3P3"]
+`;
+
+before(async () => {
+  coapt("closure", "dilated", "--ring", "physio-like:30", "--out", "ring");
+  coapt("report", "ring", "-o", "ring.html");
+  coapt("closure", "healthy", "--out", "alone");
+  coapt("report", "alone", "-o", "alone.html");
+  write("plan.toml", PLAN);
+  coapt("plan", "dilated", "plan.toml", "--out", "plan", "--shapes");
+  coapt("report", "plan", "-o", "plan.html");
+  browser = await launch();
+});
+
+after(() => browser?.close());
+
+// Does something to the page and tells what the valve showed before and after.
+async function change(page, act) {
+  const earlier = await pixels(page, "view");
+  await act();
+  await settled(page);
+  return [earlier, await pixels(page, "view")];
+}
+
+function assertChanged([earlier, later], what) {
+  assert.notEqual(earlier.sum, later.sum, `${what} changes no pixel`);
+  assert.ok(later.share > 0.03, `${what} leaves an empty picture: ${later.share}`);
+}
+
+test("the valve is drawn and its numbers are those of the report", async () => {
+  const { page, complaints } = await open(browser, "ring.html");
+  const { share } = await pixels(page, "view");
+  // The annulus alone encloses a tenth of the picture; a valve that fills it would be cut off.
+  assert.ok(share > 0.05 && share < 0.8, `${share} of the picture is drawn`);
+  const unrolled = await pixels(page, "unrolled");
+  assert.ok(unrolled.share > 0.2, `${unrolled.share} of the map is drawn`);
+  const report = JSON.parse(readFileSync(join(folder, "ring", "report.json"), "utf8"));
+  const row = page.locator("tr", { hasText: "contact area" });
+  const [, , told, repaired] = await row.locator("td").allTextContents();
+  assert.equal(told, report.before.coaptation.area_mm2.toFixed(1));
+  assert.equal(repaired, report.after.coaptation.area_mm2.toFixed(1));
+  assert.match(await page.locator(".notice").textContent(), /research use, not a medical device/i);
+  assert.equal(await page.locator(".verdict.certified").count(), 2);
+  assert.deepEqual(complaints, []);
+});
+
+test("before, after and side by side", async () => {
+  const { page, complaints } = await open(browser, "ring.html");
+  assert.equal(await page.locator("#titles span").textContent(), "after: certified");
+  assertChanged(await change(page, () => page.click("[data-shown=before]")), "before");
+  assert.equal(await page.locator("#titles span").textContent(), "before: certified");
+  assertChanged(await change(page, () => page.click("[data-shown=both]")), "side by side");
+  assert.deepEqual(await page.locator("#titles span").allTextContents(), ["before: certified", "after: certified"]);
+  assert.equal(await page.locator("[data-shown=both]").getAttribute("aria-pressed"), "true");
+  assert.deepEqual(complaints, []);
+});
+
+test("colours, chordae, mesh, direction and keys", async () => {
+  const { page, complaints } = await open(browser, "ring.html");
+  const names = await page.locator("#quantity option").evaluateAll((options) => options.map((option) => option.value));
+  assert.deepEqual(names, ["gap_mm", "contact", "strain", "displacement_mm", "annulus_distance_mm", "leaflet"]);
+  for (const name of names.slice(1)) {
+    assertChanged(await change(page, () => page.selectOption("#quantity", name)), name);
+    const label = await page.locator(`#quantity option[value=${name}]`).textContent();
+    assert.ok((await page.locator("#legend-title").textContent()).startsWith(label));
+  }
+  for (const id of ["chordae", "edges"]) assertChanged(await change(page, () => page.click(`#${id}`)), id);
+  for (const direction of ["ventricle", "front", "side", "atrium"]) {
+    assertChanged(await change(page, () => page.click(`[data-direction=${direction}]`)), direction);
+  }
+  await page.focus("#view");
+  for (const key of ["ArrowLeft", "ArrowDown", "+", "-"]) assertChanged(await change(page, () => page.keyboard.press(key)), key);
+  assert.deepEqual(complaints, []);
+});
+
+test("opening the valve", async () => {
+  const { page, complaints } = await open(browser, "alone.html");
+  assert.equal(await page.locator("#pose-value").textContent(), "closed at 100 mmHg");
+  assertChanged(await change(page, () => page.fill("#pose", "0")), "opening");
+  assert.equal(await page.locator("#pose-value").textContent(), "open, as given");
+  assert.equal(await page.locator("[data-shown]").count(), 0);
+  assert.deepEqual(complaints, []);
+});
+
+test("the section is where its slider says", async () => {
+  const { page, complaints } = await open(browser, "ring.html");
+  const middle = await page.locator("#section").innerHTML();
+  // Two leaflets open and closed, of some ten segments each.
+  assert.ok((await page.locator("#section line").count()) > 20);
+  await page.fill("#section-offset", "-6");
+  assert.notEqual(await page.locator("#section").innerHTML(), middle);
+  assert.equal(await page.locator("#section-value").textContent(), "6 mm to the anterolateral side");
+  assert.deepEqual(complaints, []);
+});
+
+test("a plan: rows choose what is shown, the first-ranked at first", async () => {
+  const { page, complaints } = await open(browser, "plan.html");
+  assert.equal(await page.locator("h1").textContent(), "dilated: rings & <clips>");
+  const report = JSON.parse(readFileSync(join(folder, "plan", "plan.json"), "utf8"));
+  assert.equal(await page.locator("#after-heading").textContent(), report.alternatives[0].name);
+  const last = report.alternatives.at(-1);
+  const line = page.locator("tr[data-state]").last();
+  assertChanged(await change(page, () => line.press("Enter")), "another row");
+  assert.equal(await page.locator("#after-heading").textContent(), last.name);
+  assert.equal(await line.getAttribute("aria-selected"), "true");
+  const cells = await page.locator("tr", { hasText: "contact area" }).locator("td").allTextContents();
+  assert.equal(cells[3], last.coaptation.area_mm2.toFixed(1));
+  assert.equal(await page.locator("[data-details]:visible").count(), 2);
+  assert.deepEqual(complaints, []);
+});
+
+test("a tablet shows everything without scrolling sideways, paper has pictures and tables", async () => {
+  const { page } = await open(browser, "plan.html", { viewport: { width: 820, height: 1180 } });
+  assert.ok(await page.evaluate(() => document.scrollingElement.scrollWidth <= window.innerWidth));
+  assert.ok((await pixels(page, "view")).share > 0.05);
+  const paper = await page.pdf({ format: "A4" });
+  assert.ok(paper.length > 50_000, `${paper.length} bytes`);
+});
+
+test("without scripts all numbers are there", async () => {
+  const context = await browser.newContext({ javaScriptEnabled: false });
+  const page = await context.newPage();
+  await page.goto(`file://${join(folder, "ring.html")}`);
+  assert.ok((await page.locator("section.numbers tr").count()) > 30);
+  assert.match(await page.locator("noscript").first().innerHTML(), /need scripts/);
+});
+
+test("pages are small", () => {
+  // Ten alternatives of 650 triangles in 3 MB: six come to two thirds of it at most.
+  assert.ok(statSync(join(folder, "plan.html")).size < 2_000_000);
+});
