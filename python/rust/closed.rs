@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use coapt::measure;
-use coapt::relax::Status;
+use coapt::relax::{Equilibrium, Status};
 use coapt_io::report::{self, Closure, Report, text, write_results};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -28,13 +28,29 @@ pub(crate) struct Closed {
 /// What work on other threads needs of it.
 pub(crate) struct Inner {
     pub(crate) built: Arc<Built>,
-    pub(crate) closed: report::Closed,
+    pub(crate) relaxed: Relaxed,
     report: OnceLock<Report>,
+}
+
+/// Where a valve came to rest, and how long that took.
+pub(crate) struct Relaxed {
+    pub(crate) equilibrium: Equilibrium,
+    /// Wall-clock time [ms].
+    pub(crate) wall_ms: f64,
 }
 
 impl Inner {
     fn closure(&self) -> Closure {
         closure(self, None)
+    }
+
+    /// As reports are made of it.
+    fn told(&self) -> report::Closed {
+        report::Closed {
+            model: self.built.model.clone(),
+            equilibrium: self.relaxed.equilibrium.clone(),
+            wall_ms: self.relaxed.wall_ms,
+        }
     }
 
     /// Measured when first asked for.
@@ -47,8 +63,8 @@ impl Inner {
 fn closure(before: &Inner, after: Option<&Inner>) -> Closure {
     let last = &after.unwrap_or(before).built;
     Closure {
-        before: before.closed.clone(),
-        after: after.map(|after| after.closed.clone()),
+        before: before.told(),
+        after: after.map(Inner::told),
         repairs: last.reports.clone(),
         warnings: last.warnings.clone(),
         untangled: last.untangled.clone(),
@@ -57,11 +73,11 @@ fn closure(before: &Inner, after: Option<&Inner>) -> Closure {
 }
 
 impl Closed {
-    pub(crate) fn new(built: Arc<Built>, closed: report::Closed) -> Self {
+    pub(crate) fn new(built: Arc<Built>, relaxed: Relaxed) -> Self {
         Self {
             inner: Arc::new(Inner {
                 built,
-                closed,
+                relaxed,
                 report: OnceLock::new(),
             }),
             positions_mm: PyOnceLock::new(),
@@ -93,7 +109,7 @@ impl Closed {
     /// Why the solver stopped.
     #[getter]
     fn status(&self) -> &'static str {
-        match self.inner.closed.equilibrium.status {
+        match self.inner.relaxed.equilibrium.status {
             Status::Converged => "converged",
             Status::IterationLimit => "iteration-limit",
             Status::Stalled => "stalled",
@@ -106,20 +122,20 @@ impl Closed {
     /// Whether the result may be used.
     #[getter]
     fn certified(&self) -> bool {
-        let equilibrium = &self.inner.closed.equilibrium;
+        let equilibrium = &self.inner.relaxed.equilibrium;
         equilibrium.certificate.is_certified(equilibrium.status)
     }
 
     /// Wall-clock time of the closure [ms].
     #[getter]
     fn wall_ms(&self) -> f64 {
-        self.inner.closed.wall_ms
+        self.inner.relaxed.wall_ms
     }
 
     /// Closed positions of all vertices [mm].
     #[getter]
     fn positions_mm(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
-        let positions = &self.inner.closed.equilibrium.state.positions_mm;
+        let positions = &self.inner.relaxed.equilibrium.state.positions_mm;
         let make = || Ok::<_, PyErr>(out_points(py, positions)?.unbind());
         Ok(self.positions_mm.get_or_try_init(py, make)?.clone_ref(py))
     }
@@ -127,12 +143,12 @@ impl Closed {
     /// Force of the valve on its supports [N], zero at free vertices.
     #[getter]
     fn reactions_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        out_points(py, &self.inner.closed.equilibrium.reactions_n)
+        out_points(py, &self.inner.relaxed.equilibrium.reactions_n)
     }
 
     /// The parts of the certificate.
     fn certificate<'py>(&self, py: Python<'py>) -> PyResult<CertificateParts<'py>> {
-        let certificate = &self.inner.closed.equilibrium.certificate;
+        let certificate = &self.inner.relaxed.equilibrium.certificate;
         let crossings = certificate.crossings.iter();
         let rows = crossings.flat_map(|crossing| [crossing.edge[0], crossing.edge[1], crossing.face]);
         Ok((
@@ -147,7 +163,7 @@ impl Closed {
 
     /// What happened, iteration by iteration.
     fn history(&self) -> Vec<IterationParts> {
-        let history = self.inner.closed.equilibrium.history.iter();
+        let history = self.inner.relaxed.equilibrium.history.iter();
         history
             .map(|it| {
                 (
@@ -167,7 +183,7 @@ impl Closed {
         let inner = Arc::clone(&self.inner);
         let (gap, contact, strain) = run(py, move |_| {
             let model = &inner.built.model;
-            let positions = &inner.closed.equilibrium.state.positions_mm;
+            let positions = &inner.relaxed.equilibrium.state.positions_mm;
             let count = model.leaflet_vertex_count;
             let mut gap = measure::gap_mm(model, positions);
             let mut contact = measure::in_contact(model, positions);
@@ -185,14 +201,14 @@ impl Closed {
         chords_at(
             py,
             &self.inner.built,
-            &self.inner.closed.equilibrium.state.positions_mm,
+            &self.inner.relaxed.equilibrium.state.positions_mm,
         )
     }
 
     /// Tension of each chord segment [N].
     fn chord_forces_n<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let inner = &self.inner;
-        let positions = &inner.closed.equilibrium.state.positions_mm;
+        let positions = &inner.relaxed.equilibrium.state.positions_mm;
         out_list(py, measure::chord_forces(&inner.built.model, positions))
     }
 

@@ -96,7 +96,7 @@ fn surface(name: &str, source: Source) -> Result<(ReadSurface, Vec<Fault>), Vec<
         Source::File(path) => read_surface(&path, CONTACT, Settings::default().face_limit),
         Source::Arrays(mesh) => Ok((ReadSurface::new(name, mesh, CONTACT)?, Vec::new())),
         Source::Closed(inner) => {
-            let positions_mm = &inner.closed.equilibrium.state.positions_mm;
+            let positions_mm = &inner.relaxed.equilibrium.state.positions_mm;
             let mesh = closed_surface(&inner.built.model, positions_mm);
             Ok((ReadSurface::new(name, mesh, CONTACT)?, Vec::new()))
         }

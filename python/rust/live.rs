@@ -9,17 +9,16 @@ use std::time::Instant;
 
 use coapt::Vec3;
 use coapt::relax::{Equilibrium, Interactive};
-use coapt::scene::Fault;
-use coapt_io::report;
+use coapt::scene::{Fault, Repair};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPool;
 
 use crate::built::Built;
-use crate::closed::Closed;
-use crate::fault::{input_error, one_error};
-use crate::run::{Stop, pool, run, wait};
+use crate::closed::{Closed, Relaxed};
+use crate::fault::input_error;
+use crate::run::{Stop, pool, wait};
 use crate::valve::repairs_of;
 
 /// A closed valve that follows edits.
@@ -35,14 +34,14 @@ struct Now {
     thread: Option<(u32, Sender<Request>)>,
 }
 
-/// New targets of the held vertices, and where to tell the outcome.
+/// Repairs of the valve without any, and where to tell the outcome.
 struct Request {
-    targets_mm: Vec<Vec3>,
+    repairs: Vec<Repair>,
     stop: Stop,
     tell: Sender<Option<Answer>>,
 }
 
-type Answer = Result<(Equilibrium, f64), Fault>;
+type Answer = Result<(Built, Relaxed), Vec<Fault>>;
 
 #[pymethods]
 impl Live {
@@ -67,37 +66,18 @@ impl Live {
     /// Closes the valve again with these repairs instead of those of the last edit.
     fn set(&self, py: Python<'_>, repairs: Vec<Bound<'_, PyDict>>) -> PyResult<Py<Closed>> {
         let repairs = repairs_of(py, &repairs)?;
-        let base = Arc::clone(&self.base);
-        let repaired = run(py, move |_| base.repaired(&repairs))?;
-        let repaired = repaired.map_err(|faults| input_error(py, &faults))?;
-        if !changes_targets_only(&self.base, &repaired) {
-            let message = "changes more than where annulus and papillary tips end; expected rings and relocations of papillary \
-                           muscles (close a valve `with_repair` for all others)";
-            return Err(one_error(py, "repair", message));
-        }
-        let targets_mm = repaired
-            .model
-            .prescribed
-            .iter()
-            .map(|held| held.target_mm)
-            .collect();
         let stop = Stop::default();
         let (tell, told) = channel();
         self.ask(
             py,
             Request {
-                targets_mm,
+                repairs,
                 stop: stop.clone(),
                 tell,
             },
         )?;
-        let (equilibrium, wall_ms) = wait(py, &stop, told)?.map_err(|fault| input_error(py, &[fault]))?;
-        let closed = report::Closed {
-            model: repaired.model.clone(),
-            equilibrium,
-            wall_ms,
-        };
-        let closed = Py::new(py, Closed::new(Arc::new(repaired), closed))?;
+        let (repaired, relaxed) = wait(py, &stop, told)?.map_err(|faults| input_error(py, &faults))?;
+        let closed = Py::new(py, Closed::new(Arc::new(repaired), relaxed))?;
         self.lock().closed = closed.clone_ref(py);
         Ok(closed)
     }
@@ -116,7 +96,7 @@ impl Live {
             Some((of, thread)) if of == process => thread,
             _ => begin(
                 Arc::clone(&self.base),
-                now.closed.get().inner.closed.equilibrium.clone(),
+                now.closed.get().inner.relaxed.equilibrium.clone(),
                 pool(py)?,
             )?,
         };
@@ -152,16 +132,27 @@ fn begin(base: Arc<Built>, closed: Equilibrium, pool: Arc<ThreadPool>) -> PyResu
 fn serve(base: &Built, closed: &Equilibrium, pool: &ThreadPool, asked: &Receiver<Request>) {
     let mut live = Interactive::new(&base.model, closed);
     // Ends once the handle is gone. A panic ends it too, and whoever waits is told that nobody answers.
-    while let Ok(Request {
-        targets_mm,
-        stop,
-        tell,
-    }) = asked.recv()
-    {
-        let begun = Instant::now();
-        let closed = pool.install(|| live.close_watched(&targets_mm, |_| stop.flow()));
-        let wall_ms = begun.elapsed().as_secs_f64() * 1e3;
+    while let Ok(Request { repairs, stop, tell }) = asked.recv() {
+        let answer = pool.install(|| edited(base, &mut live, &repairs, &stop));
         // Whoever was interrupted listens no more.
-        let _ = tell.send(Some(closed.map(|closed| (closed, wall_ms))));
+        let _ = tell.send(Some(answer));
     }
+}
+
+/// The valve with these repairs alone, closed.
+fn edited(base: &Built, live: &mut Interactive<'_>, repairs: &[Repair], stop: &Stop) -> Answer {
+    // All that the library does for an edit: to lay a ring is a part of it.
+    let begun = Instant::now();
+    let repaired = base.repaired(repairs)?;
+    if !changes_targets_only(base, &repaired) {
+        let message = "changes more than where annulus and papillary tips end; expected rings and relocations of papillary \
+                       muscles (close a valve `with_repair` for all others)";
+        return Err(vec![Fault::error("repair", message)]);
+    }
+    let held = repaired.model.prescribed.iter();
+    let targets_mm: Vec<Vec3> = held.map(|held| held.target_mm).collect();
+    let closed = live.close_watched(&targets_mm, |_| stop.flow());
+    let wall_ms = begun.elapsed().as_secs_f64() * 1e3;
+    let equilibrium = closed.map_err(|fault| vec![fault])?;
+    Ok((repaired, Relaxed { equilibrium, wall_ms }))
 }

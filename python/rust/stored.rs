@@ -10,14 +10,13 @@ use coapt::contact::crossing::Crossing;
 use coapt::relax::{Certificate, Equilibrium, Iteration, Status, Untangled};
 use coapt::scene::{Fault, Repair, Scene};
 use coapt::state::State;
-use coapt_io::report;
 use pyo3::PyResult;
 use pyo3::exceptions::PyValueError;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::built::{Built, Source, build};
-use crate::closed::Inner;
+use crate::closed::{Inner, Relaxed};
 
 const VALVE_FORMAT: &str = "coapt-valve/1";
 const CLOSED_FORMAT: &str = "coapt-closed/1";
@@ -65,9 +64,7 @@ pub(crate) fn valve(built: &Built) -> PyResult<String> {
 
 /// A result as text.
 pub(crate) fn closed(inner: &Inner) -> PyResult<String> {
-    let report::Closed {
-        equilibrium, wall_ms, ..
-    } = &inner.closed;
+    let Relaxed { equilibrium, wall_ms } = &inner.relaxed;
     let certificate = &equilibrium.certificate;
     let all = |points: &[Vec3]| points.iter().map(bits).collect();
     json(&StoredClosed {
@@ -145,7 +142,7 @@ pub(crate) fn read_valve(bytes: &[u8]) -> Result<Built, Vec<Fault>> {
 ///
 /// # Errors
 /// As of [`read_valve`]; positions that are none of this valve.
-pub(crate) fn read_closed(bytes: &[u8]) -> Result<(Built, report::Closed), Vec<Fault>> {
+pub(crate) fn read_closed(bytes: &[u8]) -> Result<(Built, Relaxed), Vec<Fault>> {
     let stored: StoredClosed = read(bytes, CLOSED_FORMAT)?;
     let built = rebuilt(stored.valve)?;
     let wanted = built.model.rest_mm.len();
@@ -178,12 +175,11 @@ pub(crate) fn read_closed(bytes: &[u8]) -> Result<(Built, report::Closed), Vec<F
         reactions_n: stored.reactions_n.into_iter().map(point).collect(),
         history: stored.history.into_iter().map(iteration).collect(),
     };
-    let closed = report::Closed {
-        model: built.model.clone(),
+    let relaxed = Relaxed {
         equilibrium,
         wall_ms: f64::from_bits(stored.wall_ms),
     };
-    Ok((built, closed))
+    Ok((built, relaxed))
 }
 
 fn rebuilt(stored: StoredValve) -> Result<Built, Vec<Fault>> {

@@ -8,7 +8,6 @@ use coapt::Vec3;
 use coapt::relax::relax_watched;
 use coapt::scene::{Fault, LineMesh, Load, MMHG_MPA, Repair, Scene, SurfaceMesh};
 use coapt::state::State;
-use coapt_io::report;
 use coapt_io::scene::part_from_table;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -18,7 +17,7 @@ use rayon::prelude::*;
 
 use crate::arrays::{index_list, index_rows, numbers, out_list, out_points, out_rows, points};
 use crate::built::{self, Built};
-use crate::closed::Closed;
+use crate::closed::{Closed, Relaxed};
 use crate::fault::{Told, input_error, one_error, told};
 use crate::run::{Stop, run};
 use crate::stored;
@@ -259,7 +258,7 @@ pub(crate) fn close_many(py: Python<'_>, valves: Vec<Bound<'_, Valve>>) -> PyRes
         .map(|valve| Arc::clone(&valve.get().built))
         .collect();
     let models = all.clone();
-    let closed: Vec<report::Closed> = run(py, move |stop| {
+    let closed: Vec<Relaxed> = run(py, move |stop| {
         let each = models.par_iter().with_max_len(1);
         each.map(|built| closed_of(built, None, stop)).collect()
     })?;
@@ -277,13 +276,12 @@ pub(crate) fn check_repair(py: Python<'_>, repair: &Bound<'_, PyDict>) -> PyResu
 }
 
 /// Closes a valve and takes the time.
-pub(crate) fn closed_of(built: &Built, start: Option<State>, stop: &Stop) -> report::Closed {
+pub(crate) fn closed_of(built: &Built, start: Option<State>, stop: &Stop) -> Relaxed {
     let start = start.unwrap_or_else(|| State::open(&built.model));
     let begun = Instant::now();
     let equilibrium = relax_watched(&built.model, &start, |_| stop.flow());
-    report::Closed {
+    Relaxed {
         wall_ms: begun.elapsed().as_secs_f64() * 1e3,
-        model: built.model.clone(),
         equilibrium,
     }
 }

@@ -2,7 +2,7 @@
 
     python python/tools/overhead.py
 
-Prints medians [ms] of what a caller waits, of what of that the library itself took to close the valve, and of the rest, with the
+Prints medians [ms] of what a caller waits, of what of that the library itself took (to lay the ring and close the valve), and of the rest, with the
 least of it: what a machine does that nobody else uses.
 """
 

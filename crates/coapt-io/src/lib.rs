@@ -23,3 +23,5 @@ pub mod study;
 pub mod plan;
 
 pub mod page;
+
+pub mod picture;

@@ -1,6 +1,6 @@
-// Bundles src/report.js, with three.js in it, to built/report.js; `--check` fails if that is not what stands there.
+// Bundles src/report.js and src/panel.js, each with three.js in it; `--check` fails if that is not what stands there.
 //
-// What is built is committed: the program takes it in when it is compiled, without Node.
+// What is built is committed: program and Python package are made without Node.
 
 import { readFileSync, writeFileSync } from "node:fs";
 import { build } from "esbuild";
@@ -22,8 +22,10 @@ const bundle = async (entry, format) => {
 };
 
 const check = process.argv.includes("--check");
-for (const [entry, format] of [["report", "iife"]]) {
-  const path = `built/${entry}.js`;
+for (const [entry, format, path] of [
+  ["report", "iife", "built/report.js"],
+  ["panel", "esm", "../../../python/src/coapt/_panel.js"],
+]) {
   const text = await bundle(entry, format);
   if (!check) writeFileSync(path, text);
   else if (readFileSync(path, "utf8") !== text) {

@@ -170,7 +170,7 @@ class Closed:
 
     @property
     def wall_ms(self) -> float:
-        """Wall-clock time of the closure [ms]."""
+        """Wall-clock time of the closure [ms]; after an edit of a :class:`Live`, of the edit."""
         return self._native.wall_ms
 
     @property

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from coapt._closed import Closed
     from coapt._live import Live
+    from coapt._panel import Panel
 
 Preset = Literal["healthy", "dilated", "flail", "barlow", "restricted"]
 
@@ -356,6 +357,15 @@ class Valve:
         from coapt._live import Live
 
         return Live(self.close())
+
+    def panel(self) -> Panel:
+        """A panel for notebooks: rings, clips and neochordae as sliders, the closed valve redrawn as they move; needs anywidget.
+
+        Research use, not a medical device.
+        """
+        from coapt._panel import Panel
+
+        return Panel(self.close())
 
     def to_pyvista(self) -> pyvista.PolyData:
         """The open leaflets; needs PyVista. Cells carry ``leaflet``, points ``annulus``."""

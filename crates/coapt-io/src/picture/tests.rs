@@ -1,0 +1,56 @@
+use coapt::measure::valve_frame;
+
+use super::*;
+use crate::report::tests::closure_of;
+use crate::report::{Closed, closed_surface};
+
+fn geometry(closed: &Closed) -> Geometry {
+    let positions = &closed.equilibrium.state.positions_mm;
+    Geometry::of_closed_surface(&closed_surface(&closed.model, positions)).unwrap()
+}
+
+/// A picture of a valve before and after a ring can be read by any reader, has ink where the valve is and none in its corners, and
+/// comes out the same twice.
+#[test]
+fn a_picture_shows_the_valve() {
+    let closure = closure_of("physio-like:30");
+    let frame = valve_frame(
+        &closure.before.model,
+        &closure.before.equilibrium.state.positions_mm,
+    )
+    .unwrap();
+    let geometries = [&closure.before, closure.after.as_ref().unwrap()].map(geometry);
+    let shown = |certified: bool| {
+        geometries.each_ref().map(|geometry| Shown {
+            name: "healthy",
+            certified,
+            geometry,
+        })
+    };
+    let bytes = picture_png(&frame, &shown(true), Quantity::Gap).unwrap();
+    assert_eq!(bytes, picture_png(&frame, &shown(true), Quantity::Gap).unwrap());
+    let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!([info.width, info.height], [960, 2 * (400 + 28) + 62]);
+    let is_ink = |x: usize, y: usize| pixels[3 * (y * 960 + x)..][..3] != [255; 3];
+    // The middles of the four views lie on leaflets; the valve reaches nowhere near a view's corner.
+    for [x, y] in [[240, 228], [720, 228], [240, 656], [720, 656]] {
+        assert!(is_ink(x, y), "nothing at {x}, {y}");
+    }
+    assert!(!is_ink(470, 35) && !is_ink(5, 420));
+    let ink = (0..428 * 960).filter(|at| is_ink(at % 960, at / 960)).count();
+    assert!(ink > 428 * 960 / 10, "{ink} pixels");
+    // What is not certified is seen to be so.
+    let is_red = |bytes: &[u8]| {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        pixels.as_chunks::<3>().0.iter().any(|&[red, green, blue]| red > 150 && green < 60 && blue < 60)
+    };
+    assert!(!is_red(&bytes));
+    assert!(is_red(&picture_png(&frame, &shown(false), Quantity::Gap).unwrap()));
+    for quantity in [Quantity::Strain, Quantity::Displacement, Quantity::Leaflet] {
+        assert_ne!(bytes, picture_png(&frame, &shown(true), quantity).unwrap());
+    }
+}
