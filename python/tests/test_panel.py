@@ -49,7 +49,7 @@ def test_sliders_are_repairs() -> None:
 
 def test_a_ring_is_the_ring_of_the_package(closed: coapt.Closed) -> None:
     panel = Panel(closed)
-    panel.asked = asked(id=7, ring_family="physio-like", ring_size_mm=30)
+    panel.asked = dict(asked(id=7, ring_family="physio-like", ring_size_mm=30))
     assert panel.answer["id"] == 7 and panel.answer["ring"] is not None
     alone = closed.valve.with_repair(coapt.Ring.physio_like(30)).close()
     shown = np.frombuffer(panel.answer["positions"], dtype=np.float32).reshape(-1, 3)

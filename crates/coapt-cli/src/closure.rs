@@ -8,6 +8,7 @@ use coapt::model::{Built, Model};
 use coapt::plan::{Applied, apply_all};
 use coapt::repair::parse_ring_spec;
 use coapt::scene::{Fault, Repair};
+use coapt_io::picture::{Quantity, write_closure_picture};
 use coapt_io::plan::in_plan;
 use coapt_io::report::{Closed, Closure, Report, text, write_results};
 use coapt_io::scene::{alternative_from_text, located, read_text, sentence};
@@ -32,6 +33,12 @@ pub(crate) struct Arguments {
     /// Folder for report.json and the surfaces (.vtp), made if need be; results of an earlier run are replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Also draw the closed valve, before and after, from the atrium and from the side: a PNG file
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// What the picture is coloured by
+    #[arg(long, value_enum, default_value_t = Colour::Gap, requires = "picture")]
+    colour: Colour,
     /// How the report is printed
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -51,6 +58,30 @@ pub(crate) enum Format {
     Json,
 }
 
+/// What a picture is coloured by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Colour {
+    /// Distance to the other leaflet.
+    Gap,
+    /// Largest strain.
+    Strain,
+    /// Way from the open valve.
+    Displacement,
+    /// Which leaflet it is.
+    Leaflet,
+}
+
+impl From<Colour> for Quantity {
+    fn from(colour: Colour) -> Self {
+        match colour {
+            Colour::Gap => Self::Gap,
+            Colour::Strain => Self::Strain,
+            Colour::Displacement => Self::Displacement,
+            Colour::Leaflet => Self::Leaflet,
+        }
+    }
+}
+
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let case = case::open(arguments.scene.as_deref(), arguments.limit)?;
@@ -67,6 +98,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     })?;
     if let Some(folder) = &arguments.out {
         write_results(folder, &closure, &report).map_err(Failure::Outside)?;
+    }
+    if let Some(path) = &arguments.picture {
+        write_closure_picture(path, &closure, arguments.colour.into()).map_err(Failure::Outside)?;
     }
     print(&match arguments.format {
         Format::Text => text(&report),

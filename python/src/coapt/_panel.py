@@ -161,7 +161,7 @@ class Panel(anywidget.AnyWidget):
     ring_families = traitlets.List(list(get_args(RingFamily))).tag(sync=True)
     ranges = traitlets.Dict(RANGES).tag(sync=True)
     notice = traitlets.Unicode(NOTICE).tag(sync=True)
-    leaflets = traitlets.List().tag(sync=True)
+    leaflets = traitlets.List(traitlets.Unicode()).tag(sync=True)
     frame = traitlets.Dict().tag(sync=True)
     reach_mm = traitlets.Float().tag(sync=True)
     asked = traitlets.Dict(dict(NOTHING)).tag(sync=True)

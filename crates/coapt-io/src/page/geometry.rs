@@ -148,7 +148,7 @@ impl Chords {
 }
 
 /// Points along a curve of lines, the first once more at its end where it closes.
-pub(super) fn curve(lines: &PolyData) -> Floats {
+pub(crate) fn curve(lines: &PolyData) -> Floats {
     let first = lines.lines.first().map(|line| line[0]);
     let rest = lines.lines.iter().map(|line| line[1]);
     let along = first.into_iter().chain(rest);

@@ -58,7 +58,11 @@ impl Canvas {
                 let shares = [edge(b, c, here), edge(c, a, here), edge(a, b, here)].map(|part| part / area);
                 if shares.iter().all(|&share| share >= 0.0) {
                     let mix = |value: fn(&Corner) -> f32| -> f32 {
-                        shares.iter().zip(&corners).map(|(share, corner)| share * value(corner)).sum()
+                        shares
+                            .iter()
+                            .zip(&corners)
+                            .map(|(share, corner)| share * value(corner))
+                            .sum()
                     };
                     let colour = [
                         mix(|corner| corner.colour[0]),
@@ -89,7 +93,8 @@ impl Canvas {
             for dy in -reach..=reach {
                 for dx in -reach..=reach {
                     let (x, y) = (at[0].floor() + dx as f32, at[1].floor() + dy as f32);
-                    let inside = x >= 0.0 && y >= 0.0 && (x as usize) < self.width && (y as usize) < self.height;
+                    let inside =
+                        x >= 0.0 && y >= 0.0 && (x as usize) < self.width && (y as usize) < self.height;
                     if inside && (x + 0.5 - at[0]).hypot(y + 0.5 - at[1]) <= width / 2.0 {
                         self.put(x as usize, y as usize, at[2], colour);
                     }

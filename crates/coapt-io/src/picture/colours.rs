@@ -62,7 +62,11 @@ impl Colouring {
     /// The colour of a vertex of a face.
     pub(super) fn of(&self, geometry: &Geometry, face: usize, vertex: usize) -> Colour {
         let Some(field) = self.quantity.field() else {
-            let leaflet = geometry.face_leaflet.0.get(face).map_or(0, |&leaflet| leaflet as usize);
+            let leaflet = geometry
+                .face_leaflet
+                .0
+                .get(face)
+                .map_or(0, |&leaflet| leaflet as usize);
             return LEAFLETS[leaflet % LEAFLETS.len()];
         };
         let value = geometry.fields.get(field).and_then(|values| values.0.get(vertex));

@@ -6,13 +6,14 @@ mod view;
 
 use std::path::Path;
 
-use coapt::measure::ValveFrame;
+use coapt::measure::{ValveFrame, valve_frame};
+use coapt::repair;
 use coapt::scene::Fault;
 use png::{BitDepth, ColorType, Encoder};
 
 use crate::atomic::Batch;
-use crate::page::geometry::Geometry;
-use crate::report::NOTICE;
+use crate::page::geometry::{Chords, Floats, Geometry, curve};
+use crate::report::{Closed, Closure, NOTICE, closed_chords, closed_surface, polyline};
 use canvas::{Canvas, INK, LETTER_WIDTH};
 use colours::{Colouring, UNCERTIFIED};
 use view::{Direction, drawn};
@@ -54,25 +55,68 @@ pub fn picture_png(frame: &ValveFrame, valves: &[Shown], quantity: Quantity) -> 
     Ok(bytes)
 }
 
-/// Writes [`picture_png`] to a file.
+/// Writes a picture of a closed valve, and of the same closed after a plan, to a PNG file.
 ///
 /// # Errors
-/// As of [`picture_png`], and what the file system says; the old file is then untouched.
-pub fn write_picture(
-    path: &Path,
-    frame: &ValveFrame,
-    valves: &[Shown],
-    quantity: Quantity,
-) -> Result<(), Fault> {
+/// An annulus without a plane, and what the file system says; the old file is then untouched.
+pub fn write_closure_picture(path: &Path, closure: &Closure, quantity: Quantity) -> Result<(), Fault> {
+    let fault = |message: String| Fault::error(path.display().to_string(), message);
+    let before = &closure.before;
+    let frame = valve_frame(&before.model, &before.equilibrium.state.positions_mm);
+    let frame = frame.ok_or_else(|| fault("cannot be drawn: the annulus has no plane".to_owned()))?;
+    let name = &before.model.name;
+    let states: Vec<(String, &Closed)> = match &closure.after {
+        None => vec![(name.clone(), before)],
+        Some(after) => vec![
+            (format!("{name}, before"), before),
+            (format!("{name}, after"), after),
+        ],
+    };
+    let geometries = states.iter().map(|(_, closed)| geometry(closed));
+    let mut geometries: Vec<Geometry> = geometries.collect::<Result<_, _>>().map_err(fault)?;
+    if let (Some(last), Some(_)) = (geometries.last_mut(), &closure.after) {
+        last.rings = rings(&closure.repairs);
+    }
+    let shown = states
+        .iter()
+        .zip(&geometries)
+        .map(|((name, closed), geometry)| Shown {
+            name,
+            certified: closed
+                .equilibrium
+                .certificate
+                .is_certified(closed.equilibrium.status),
+            geometry,
+        });
+    let shown: Vec<Shown> = shown.collect();
     let mut batch = Batch::default();
-    batch.write(path, &picture_png(frame, valves, quantity)?)?;
+    batch.write(path, &picture_png(&frame, &shown, quantity)?)?;
     batch.finish()
+}
+
+fn geometry(closed: &Closed) -> Result<Geometry, String> {
+    let (model, positions) = (&closed.model, &closed.equilibrium.state.positions_mm);
+    let mut geometry = Geometry::of_closed_surface(&closed_surface(model, positions))?;
+    if !model.chords.ends.is_empty() {
+        geometry.chords = Some(Chords::new(&closed_chords(model, positions), None)?);
+    }
+    Ok(geometry)
+}
+
+fn rings(repairs: &[repair::Report]) -> Vec<Floats> {
+    let rings = repairs.iter().filter_map(|report| match report {
+        repair::Report::Ring(ring) => Some(curve(&polyline(&ring.curve_mm, ring.closed))),
+        _ => None,
+    });
+    rings.collect()
 }
 
 fn composed(frame: &ValveFrame, valves: &[Shown], quantity: Quantity) -> Canvas {
     let [width, height] = VIEW;
     let geometries = valves.iter().map(|valve| valve.geometry);
-    let reach = geometries.clone().map(|geometry| geometry.reach_mm(frame.centre_mm));
+    let reach = geometries
+        .clone()
+        .map(|geometry| geometry.reach_mm(frame.centre_mm));
     let reach_mm = reach.fold(1.0, f64::max);
     let colouring = Colouring::new(quantity, geometries);
     let mut whole = Canvas::new(2 * width, valves.len() * (height + HEAD) + FOOT);

@@ -29,7 +29,9 @@ fn a_picture_shows_the_valve() {
     };
     let bytes = picture_png(&frame, &shown(true), Quantity::Gap).unwrap();
     assert_eq!(bytes, picture_png(&frame, &shown(true), Quantity::Gap).unwrap());
-    let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes))
+        .read_info()
+        .unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut pixels).unwrap();
     assert_eq!([info.width, info.height], [960, 2 * (400 + 28) + 62]);
@@ -43,13 +45,21 @@ fn a_picture_shows_the_valve() {
     assert!(ink > 428 * 960 / 10, "{ink} pixels");
     // What is not certified is seen to be so.
     let is_red = |bytes: &[u8]| {
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+            .read_info()
+            .unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         reader.next_frame(&mut pixels).unwrap();
-        pixels.as_chunks::<3>().0.iter().any(|&[red, green, blue]| red > 150 && green < 60 && blue < 60)
+        pixels
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .any(|&[red, green, blue]| red > 150 && green < 60 && blue < 60)
     };
     assert!(!is_red(&bytes));
-    assert!(is_red(&picture_png(&frame, &shown(false), Quantity::Gap).unwrap()));
+    assert!(is_red(
+        &picture_png(&frame, &shown(false), Quantity::Gap).unwrap()
+    ));
     for quantity in [Quantity::Strain, Quantity::Displacement, Quantity::Leaflet] {
         assert_ne!(bytes, picture_png(&frame, &shown(true), quantity).unwrap());
     }

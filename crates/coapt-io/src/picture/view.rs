@@ -92,7 +92,9 @@ fn leaflets(
     for (number, face) in faces.iter().enumerate() {
         canvas.triangle(face.map(|vertex| {
             let vertex = vertex as usize;
-            let facing = normals[vertex].try_normalize(0.0).map_or(1.0, |normal| normal.dot(&eye).abs());
+            let facing = normals[vertex]
+                .try_normalize(0.0)
+                .map_or(1.0, |normal| normal.dot(&eye).abs());
             // Never quite dark: colours are to be read.
             let light = 0.45 + 0.55 * facing as f32;
             let colour = colouring.of(geometry, number, vertex);
@@ -108,7 +110,11 @@ fn lines(canvas: &mut Canvas, geometry: &Geometry, project: impl Fn(Vec3) -> [f3
     if let Some(chords) = &geometry.chords {
         let ends: Vec<Vec3> = points(&chords.closed.0).collect();
         for (&[from, to], &force_n) in chords.ends.0.as_chunks::<2>().0.iter().zip(&chords.force_n.0) {
-            let colour = if force_n > 0.0 { TENSE } else { super::colours::SLACK };
+            let colour = if force_n > 0.0 {
+                TENSE
+            } else {
+                super::colours::SLACK
+            };
             let corner = |point: u32| Corner {
                 at: project(ends[point as usize]),
                 colour,

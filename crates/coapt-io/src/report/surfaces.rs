@@ -114,10 +114,15 @@ pub(crate) fn stage_closed_chords(
     model: &Model,
     positions_mm: &[Vec3],
 ) -> Result<(), Fault> {
+    stage_vtp(batch, path, &closed_chords(model, positions_mm))
+}
+
+/// What `chords.vtp` holds, from positions of any source.
+pub(crate) fn closed_chords(model: &Model, positions_mm: &[Vec3]) -> PolyData {
     let mut lines = chords(model, positions_mm);
     let forces = measure::chord_forces(model, positions_mm);
     lines.cell_arrays.push(array("force_n", 1, forces.into_iter()));
-    stage_vtp(batch, path, &lines)
+    lines
 }
 
 /// Writes [`closed_surface`] under any name.
@@ -218,7 +223,7 @@ fn chords(model: &Model, positions_mm: &[Vec3]) -> PolyData {
     }
 }
 
-fn polyline(points: &[Vec3], closed: bool) -> PolyData {
+pub(crate) fn polyline(points: &[Vec3], closed: bool) -> PolyData {
     let count = points.len() as u32;
     let mut lines: Vec<[u32; 2]> = (1..count).map(|end| [end - 1, end]).collect();
     if closed && count > 2 {
