@@ -119,13 +119,16 @@ pub(super) fn supports(model: &Model, positions_mm: &[Vec3], repairs: &[repair::
     SceneUpdate { entities }.encode_to_vec()
 }
 
+/// Colour of each leaflet vertex.
+pub(super) fn strain_colors(model: &Model, positions_mm: &[Vec3]) -> impl Iterator<Item = Color> {
+    let strains = measure::vertex_strain(model, positions_mm).into_iter();
+    let strains = strains.take(model.leaflet_vertex_count);
+    strains.map(|strain| shaded(strain / STRAIN_END))
+}
+
 fn leaflets(model: &Model, positions_mm: &[Vec3], certified: bool, time_ns: u64) -> SceneEntity {
     let count = model.leaflet_vertex_count;
-    let strains = measure::vertex_strain(model, positions_mm);
-    let colors = strains
-        .iter()
-        .take(count)
-        .map(|strain| shaded(strain / STRAIN_END));
+    let colors = strain_colors(model, positions_mm);
     let triangles = TriangleListPrimitive {
         pose: Some(UPRIGHT),
         points: positions_mm.iter().take(count).map(xyz).collect(),

@@ -22,10 +22,12 @@ mod again;
 mod container;
 mod draw;
 mod figures;
+mod glb;
 mod layout;
 mod message;
 mod read;
 mod schema;
+mod sequence;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -39,8 +41,10 @@ use rayon::prelude::*;
 pub use again::{Difference, Replay, made_again, replay};
 use container::Container;
 pub use figures::Figures;
+pub use glb::write_glb;
 pub use layout::layout;
 pub use read::{RecordedFilm, RecordedFrame, Recording, read, read_bytes};
+pub use sequence::write_sequence;
 
 use crate::atomic::Batch;
 use crate::report::NOTICE;

@@ -84,7 +84,11 @@ fn what_is_read_is_what_was_filmed_bit_for_bit() {
     assert_eq!(recorded.annulus_mm.len(), model.annulus.len());
     assert_eq!(
         recorded.tips_mm.len(),
-        model.papillary.iter().map(|muscle| muscle.tips.len()).sum()
+        model
+            .papillary
+            .iter()
+            .map(|muscle| muscle.tips.len())
+            .sum::<usize>()
     );
     assert_eq!(recorded.frames.len(), film.frames.len());
     for (frame, filmed) in recorded.frames.iter().zip(&film.frames) {
@@ -239,6 +243,54 @@ fn spoilt_bytes_never_give_other_frames() {
     assert!(refused > 1000, "{refused}");
 }
 
+/// A recording without compression and checksums, as a fuzzer needs it: there changes reach the messages.
+#[test]
+fn spoilt_messages_give_faults_or_numbers() {
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../fuzz/seeds/recording/plain.mcap"
+    );
+    let bytes = std::fs::read(file).unwrap();
+    assert_eq!(read_bytes(&bytes).unwrap().films[0].frames.len(), 2);
+    let mut random = Random(0x0bad_cafe);
+    let (mut read, mut refused) = (0, 0);
+    for _ in 0..4000 {
+        let mut spoilt = bytes.clone();
+        for _ in 0..=random.below(4) {
+            spoilt[random.below(bytes.len())] = random.below(256) as u8;
+        }
+        match read_bytes(&spoilt) {
+            Ok(recording) => {
+                read += 1;
+                for film in &recording.films {
+                    let vertices = film.frames.first().map_or(0, |frame| frame.positions_mm.len());
+                    assert!(
+                        film.faces
+                            .as_flattened()
+                            .iter()
+                            .all(|&vertex| (vertex as usize) < vertices)
+                    );
+                    for frame in &film.frames {
+                        assert_eq!(frame.positions_mm.len(), vertices);
+                        assert!(
+                            frame
+                                .positions_mm
+                                .as_flattened()
+                                .iter()
+                                .all(|number| number.is_finite())
+                        );
+                    }
+                }
+            }
+            Err(fault) => {
+                refused += 1;
+                assert!(!fault.message.is_empty() && fault.message.len() < 2000);
+            }
+        }
+    }
+    assert!(read > 400 && refused > 400, "{read} {refused}");
+}
+
 #[test]
 fn what_is_no_recording_is_refused_in_plain_words() {
     let message = |bytes: &[u8]| read_bytes(bytes).unwrap_err().message;
@@ -261,8 +313,10 @@ fn what_is_no_recording_is_refused_in_plain_words() {
 /// A chunk of 10 bytes that says that it holds a terabyte: refused before anything is asked of the memory.
 #[test]
 fn a_size_is_not_believed() {
-    let mut bytes = Container::new().unwrap().finish().unwrap();
-    bytes.truncate(bytes.len() - 8 - 29 - 13);
+    let empty = Container::new().unwrap().finish().unwrap();
+    // The mark of MCAP, and the record of the header: its kind, its length, what it holds.
+    let header_end = 8 + 9 + u64::from_le_bytes(empty[9..17].try_into().unwrap()) as usize;
+    let mut bytes = empty[..header_end].to_vec();
     let mut chunk = Vec::new();
     chunk.extend([0; 16]);
     chunk.extend((1_u64 << 40).to_le_bytes());
@@ -280,12 +334,13 @@ fn a_size_is_not_believed() {
         "{message}"
     );
     for length in [u64::MAX, 1 << 40, 100] {
-        let mut bytes = Container::new().unwrap().finish().unwrap();
-        bytes.truncate(8);
-        bytes.push(1);
-        bytes.extend(length.to_le_bytes());
-        bytes.extend([0xff; 60]);
-        assert!(read_bytes(&bytes).is_err());
+        for kind in [1, 4, 5, 6, 9, 12, 15, 2] {
+            let mut bytes = empty[..header_end].to_vec();
+            bytes.push(kind);
+            bytes.extend(length.to_le_bytes());
+            bytes.extend([0xff; 100]);
+            assert!(read_bytes(&bytes).is_err());
+        }
     }
 }
 

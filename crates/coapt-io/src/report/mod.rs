@@ -16,8 +16,8 @@ use repairs::repair_report;
 
 pub use repairs::{RepairReport, RingFigures};
 pub use rows::{TableRow, rows};
-pub(crate) use surfaces::stage_closed_surface;
 pub use surfaces::{closed_surface, stage_results, write_closed_surface, write_results};
+pub(crate) use surfaces::{loaded_chords, stage_closed_surface};
 pub use text::text;
 pub(crate) use text::{WIDTH, is_zero, line, number, reasons, wrapped};
 

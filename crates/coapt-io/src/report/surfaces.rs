@@ -104,13 +104,11 @@ fn stage_valve(batch: &mut Batch, folder: &Path, closed: &Closed) -> Result<(), 
         &folder.join("open_chords.vtp"),
         &chords(model, &model.rest_mm),
     )?;
-    let mut lines = chords(model, positions);
-    lines.cell_arrays.push(array(
-        "force_n",
-        1,
-        measure::chord_forces(model, positions).into_iter(),
-    ));
-    stage_vtp(batch, &folder.join("chords.vtp"), &lines)
+    stage_vtp(
+        batch,
+        &folder.join("chords.vtp"),
+        &loaded_chords(model, positions),
+    )
 }
 
 /// Writes [`closed_surface`] under any name.
@@ -183,6 +181,14 @@ fn at_points(model: &Model, positions_mm: &[Vec3]) -> Vec<Array> {
             moved.flat_map(|(now, open)| <[f64; 3]>::from(now - open)),
         ),
     ]
+}
+
+/// What `chords.vtp` holds: the chordae with their tensions.
+pub(crate) fn loaded_chords(model: &Model, positions_mm: &[Vec3]) -> PolyData {
+    let mut lines = chords(model, positions_mm);
+    let forces_n = measure::chord_forces(model, positions_mm).into_iter();
+    lines.cell_arrays.push(array("force_n", 1, forces_n));
+    lines
 }
 
 /// The chordae in some position.
