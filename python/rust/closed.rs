@@ -1,10 +1,13 @@
 //! `Closed`: a closed valve, its certificate and its measures.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
+use coapt::film::{Film, film_watched};
 use coapt::measure;
 use coapt::relax::{Equilibrium, Status};
+use coapt::scene::Fault;
+use coapt_io::record::{Filmed, Source, write_recording};
 use coapt_io::report::{self, Closure, Report, text, write_results};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -14,7 +17,7 @@ use pyo3::types::PyBytes;
 use crate::arrays::{out_list, out_points, out_rows};
 use crate::built::Built;
 use crate::fault::{input_error, outside_error};
-use crate::run::run;
+use crate::run::{Stop, run};
 use crate::stored;
 use crate::valve::{Lines, Valve, chords_at};
 
@@ -244,6 +247,16 @@ impl Closed {
         written.map_err(|fault| outside_error(&fault))
     }
 
+    /// Writes what `coapt closure --record` writes.
+    fn record(&self, py: Python<'_>, path: PathBuf, frames: usize, after: Option<&Self>) -> PyResult<()> {
+        let before = Arc::clone(&self.inner);
+        let after = after.map(|after| Arc::clone(&after.inner));
+        let written = run(py, move |stop| {
+            recorded(&path, frames, &before, after.as_deref(), stop)
+        })?;
+        written.map_err(|fault| outside_error(&fault))
+    }
+
     /// The closed valve as bytes, with a version.
     fn stored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         Ok(PyBytes::new(py, stored::closed(&self.inner)?.as_bytes()))
@@ -255,6 +268,44 @@ impl Closed {
         let read = run(py, move |_| stored::read_closed(&bytes))?;
         let (built, closed) = read.map_err(|faults| input_error(py, &faults))?;
         Ok(Self::new(Arc::new(built), closed))
+    }
+}
+
+/// Films valves and writes the recording; stopped, it writes nothing.
+fn recorded(
+    path: &Path,
+    frames: usize,
+    before: &Inner,
+    after: Option<&Inner>,
+    stop: &Stop,
+) -> Result<(), Fault> {
+    let shoot = |inner: &Inner| {
+        let closed = &inner.relaxed.equilibrium;
+        film_watched(&inner.built.model, closed, frames, |_| stop.flow())
+    };
+    let (first, second) = rayon::join(|| shoot(before), || after.map(shoot));
+    if stop.flow().is_break() {
+        return Ok(());
+    }
+    let standing = &before.built.repairs;
+    let source = Source {
+        scene: &before.built.scene,
+        repairs_before: standing,
+        repairs: after
+            .and_then(|after| after.built.repairs.get(standing.len()..))
+            .unwrap_or_default(),
+    };
+    let second = after
+        .zip(second.as_ref())
+        .map(|(after, film)| filmed(after, film));
+    write_recording(path, source, filmed(before, &first), second)
+}
+
+fn filmed<'a>(inner: &'a Inner, film: &'a Film) -> Filmed<'a> {
+    Filmed {
+        model: &inner.built.model,
+        film,
+        repairs: &inner.built.reports,
     }
 }
 

@@ -40,6 +40,8 @@ mod _coapt {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("STUDY_FACES", coapt_io::study::FACES)?;
         module.add("STUDY_REFERENCE_FINER", coapt_io::study::REFERENCE_FINER)?;
+        module.add("FILM_FRAMES", coapt::film::FRAMES)?;
+        module.add("FILM_FRAME_LIMIT", coapt_io::record::FRAME_LIMIT)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

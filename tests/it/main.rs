@@ -8,6 +8,7 @@ mod coarsen;
 mod contact;
 mod derivatives;
 mod distances;
+mod film;
 mod fuzzed;
 mod hard;
 mod kaiser;

@@ -10,10 +10,12 @@ use coapt::repair::parse_ring_spec;
 use coapt::scene::{Fault, Repair};
 use coapt_io::picture::{Quantity, write_closure_picture};
 use coapt_io::plan::in_plan;
+use coapt_io::record::Source;
 use coapt_io::report::{Closed, Closure, Report, text, write_results};
 use coapt_io::scene::{alternative_from_text, located, read_text, sentence};
 
 use crate::case::{self, SizeLimit};
+use crate::film::{FilmArguments, Scenery};
 use crate::interrupt::close_watched;
 use crate::output::{Failure, Verdict, print, say};
 
@@ -45,6 +47,8 @@ pub(crate) struct Arguments {
     /// How many threads to use; the result does not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    film: FilmArguments,
     #[command(flatten)]
     limit: SizeLimit,
 }
@@ -91,10 +95,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         (None, None) => None,
     };
     let built = case::build(&case)?;
-    let (closure, report) = on_threads(arguments.threads, || {
+    arguments.film.prepare()?;
+    let (closure, report, films) = on_threads(arguments.threads, || {
         let closure = close(built, plan.as_ref())?;
         let report = Report::new(&closure);
-        Ok((closure, report))
+        let (before, after) = scenery(&closure);
+        let films = arguments.film.shoot(before, after);
+        Ok((closure, report, films))
     })?;
     if let Some(folder) = &arguments.out {
         write_results(folder, &closure, &report).map_err(Failure::Outside)?;
@@ -102,6 +109,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     if let Some(path) = &arguments.picture {
         write_closure_picture(path, &closure, arguments.colour.into()).map_err(Failure::Outside)?;
     }
+    let source = Source {
+        scene: &case.scene,
+        repairs_before: &[],
+        repairs: plan.as_ref().map_or(&[], |plan| &plan.repairs),
+    };
+    let (before, after) = scenery(&closure);
+    arguments.film.write(source, films.as_ref(), before, after)?;
     print(&match arguments.format {
         Format::Text => text(&report),
         Format::Json => report.json().map_err(Failure::Outside)?,
@@ -113,6 +127,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         true => Verdict::Done,
         false => Verdict::Uncertified,
     })
+}
+
+/// What of a closure is filmed.
+fn scenery(closure: &Closure) -> (Scenery<'_>, Option<Scenery<'_>>) {
+    let after = closure.after.as_ref();
+    (
+        Scenery::new(&closure.before, &[]),
+        after.map(|after| Scenery::new(after, &closure.repairs)),
+    )
 }
 
 /// Repairs and where they stand, to name lines in their plan.

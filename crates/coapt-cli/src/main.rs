@@ -6,7 +6,7 @@
 //! | 0 | done |
 //! | 1 | failed: something outside stood against it, such as a full disk |
 //! | 2 | wrong usage or wrong input |
-//! | 3 | finished, but the result is not certified |
+//! | 3 | finished, but the result is not certified; of a replay: it differs |
 //! | 129, 130, 143 | interrupted: the terminal was closed (SIGHUP), Ctrl-C, asked to end (SIGTERM) |
 
 mod case;
@@ -14,12 +14,14 @@ mod check;
 mod closure;
 mod compare;
 mod export;
+mod film;
 mod fit_tissue;
 mod generate;
 mod interrupt;
 mod output;
 mod personalise;
 mod plan;
+mod replay;
 mod report;
 mod study;
 
@@ -41,8 +43,8 @@ struct Arguments {
 }
 
 const AFTER_HELP: &str = "\
-Exit status: 0 done, 1 failed, 2 wrong usage or wrong input, 3 finished but not certified,
-129, 130 or 143 interrupted.
+Exit status: 0 done, 1 failed, 2 wrong usage or wrong input, 3 finished but not certified
+(replay: differs), 129, 130 or 143 interrupted.
 For research use; not a medical device.";
 
 #[derive(Debug, Subcommand)]
@@ -65,6 +67,8 @@ enum Verb {
     FitTissue(fit_tissue::Arguments),
     /// Make one page of a result, to open in any browser without a network
     Report(report::Arguments),
+    /// Make a recording again and compare every frame, bit for bit
+    Replay(replay::Arguments),
     /// Close a valve at many settings; set error against time and find the knee
     Study(study::Arguments),
 }
@@ -98,6 +102,7 @@ fn main() -> ExitCode {
         Verb::Personalise(arguments) => personalise::run(arguments),
         Verb::FitTissue(arguments) => fit_tissue::run(arguments),
         Verb::Report(arguments) => report::run(arguments),
+        Verb::Replay(arguments) => replay::run(arguments),
         Verb::Study(arguments) => study::run(arguments),
     };
     if !matches!(outcome, Ok(Verdict::Done)) {

@@ -9,13 +9,16 @@ use std::time::{Duration, Instant};
 use clap::{Args, value_parser};
 use coapt::model::{Built, Model, size};
 use coapt::personalise::Watch;
-use coapt::plan::{self, Progress};
-use coapt::scene::Fault;
+use coapt::plan::{self, Applied, Comparison, Progress, apply_all};
+use coapt::scene::{Fault, Repair, Scene};
 use coapt_io::plan::{PlanFile, Stage, carry_out, prepare_shapes, text, write_plan};
+use coapt_io::record::Source;
+use coapt_io::report::Closed;
 use coapt_io::scene::{ALTERNATIVE_LIMIT, Alternatives, SAMPLE_LIMIT, alternatives_from_text, read_text};
 
 use crate::case::{self, SizeLimit};
-use crate::closure::{Format, on_threads};
+use crate::closure::{self, Format, on_threads};
+use crate::film::{FilmArguments, Films, Scenery};
 use crate::interrupt::{note_closed, watching};
 use crate::output::{Failure, Verdict, count_line, print, say};
 use crate::study::prepare;
@@ -62,6 +65,9 @@ pub(crate) struct Arguments {
     /// How many threads to use; the result does not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// What is filmed is the valve as it is and after the alternative that ranks first
+    #[command(flatten)]
+    film: FilmArguments,
     #[command(flatten)]
     limit: SizeLimit,
 }
@@ -84,25 +90,32 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
             prepare_shapes(folder).map_err(Failure::Outside)?;
         }
     }
+    arguments.film.prepare()?;
     ask(arguments, &mut alternatives)?;
     let name = arguments.plan.display().to_string();
     let file = PlanFile {
         name: &name,
         text: &plan_text,
     };
-    let (report, comparison) = on_threads(arguments.threads, || {
+    let (report, comparison, best) = on_threads(arguments.threads, || {
         let on_stage = |stage, work: &mut dyn FnMut(plan::Watch)| staged(&model, stage, work);
-        Ok(carry_out(
+        let (report, comparison) = carry_out(
             &model,
             file,
             &alternatives,
             arguments.shapes,
             &warnings,
             &on_stage,
-        )?)
+        )?;
+        let asked = arguments.film.is_asked_for();
+        let best = asked.then(|| Best::film(&arguments.film, &model, &alternatives, &comparison));
+        Ok((report, comparison, best))
     })?;
     if let Some(folder) = &arguments.out {
         write_plan(folder, &report, &model, &alternatives, &comparison).map_err(Failure::Outside)?;
+    }
+    if let Some(best) = &best {
+        best.write(&arguments.film, &case.scene)?;
     }
     print(&match arguments.format {
         Format::Text => text(&report),
@@ -117,12 +130,76 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     })
 }
 
+/// What of a comparison is filmed: the valve as it is and after the alternative that ranks first. Both are closed again, as the comparison
+/// closed them; it keeps shapes at most.
+struct Best {
+    before: Closed,
+    after: Option<(Closed, Applied)>,
+    repairs: Vec<Repair>,
+    films: Option<Films>,
+}
+
+impl Best {
+    fn film(film: &FilmArguments, model: &Model, plan: &Alternatives, comparison: &Comparison) -> Self {
+        let first = comparison.rows.first().filter(|row| row.rank.is_some());
+        let first = first.map(|row| &plan.alternatives[row.alternative]);
+        match first {
+            Some(alternative) => say(&format!(
+                "filming the valve as it is and after `{}` ...",
+                alternative.name
+            )),
+            None => say("no alternative is certified: filming the valve as it is ..."),
+        }
+        let repairs = first.map_or(Vec::new(), |alternative| alternative.repairs.clone());
+        // An alternative may be to do nothing.
+        let applied = match repairs.is_empty() {
+            true => None,
+            false => apply_all(model, &repairs).ok(),
+        };
+        let (before, after) = rayon::join(
+            || closure::timed("before repair", model.clone()),
+            || applied.map(|applied| (closure::timed("after repair", applied.model.clone()), applied)),
+        );
+        let mut best = Self {
+            before,
+            after,
+            repairs,
+            films: None,
+        };
+        let (before, after) = best.scenery();
+        best.films = film.shoot(before, after);
+        best
+    }
+
+    fn scenery(&self) -> (Scenery<'_>, Option<Scenery<'_>>) {
+        let after = self.after.as_ref();
+        (
+            Scenery::new(&self.before, &[]),
+            after.map(|(closed, applied)| Scenery::new(closed, &applied.reports)),
+        )
+    }
+
+    fn write(&self, film: &FilmArguments, scene: &Scene) -> Result<(), Failure> {
+        let source = Source {
+            scene,
+            repairs_before: &[],
+            repairs: &self.repairs,
+        };
+        let (before, after) = self.scenery();
+        film.write(source, self.films.as_ref(), before, after)
+    }
+}
+
 /// What the command line asks for beside the plan.
 fn ask(arguments: &Arguments, plan: &mut Alternatives) -> Result<(), Failure> {
     let asked = &mut plan.asked;
     asked.diastole |= arguments.diastole;
     asked.sensitivities |= arguments.sensitivities;
     asked.warm |= arguments.warm;
+    if asked.warm && arguments.film.is_asked_for() {
+        let message = "is asked for beside `warm`; expected alternatives that begin at the open valve, from which a film can be made again";
+        return Err(vec![Fault::error("a film", message)].into());
+    }
     if let Some(samples) = arguments.samples {
         asked.sampling.get_or_insert_default().samples = samples;
     }

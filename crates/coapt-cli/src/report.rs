@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use coapt_io::atomic::write_text_atomically;
-use coapt_io::page::{page_html, read_page};
+use coapt_io::page::{RECORDING, add_film, page_html, read_page};
 
 use crate::output::{Failure, Verdict, say};
 
@@ -16,6 +16,9 @@ pub(crate) struct Arguments {
     /// The page, an HTML file; an old one is replaced
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
     out: PathBuf,
+    /// The film of that closure, which `coapt closure --record` wrote [default: closing.mcap in the folder, where it is]
+    #[arg(long, value_name = "FILE.mcap")]
+    recording: Option<PathBuf>,
     /// Of a plan, show the shapes of so many alternatives, the first-ranked first; the table has all
     #[arg(long, value_name = "N", default_value_t = 30)]
     most: usize,
@@ -23,7 +26,11 @@ pub(crate) struct Arguments {
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    let page = read_page(&arguments.result, arguments.most)?;
+    let mut page = read_page(&arguments.result, arguments.most)?;
+    let beside = Some(arguments.result.join(RECORDING)).filter(|path| path.is_file());
+    if let Some(recording) = arguments.recording.as_ref().or(beside.as_ref()) {
+        add_film(&mut page, recording)?;
+    }
     let html = page_html(&page).map_err(Failure::Outside)?;
     write_text_atomically(&arguments.out, html.as_bytes()).map_err(Failure::Outside)?;
     say(&format!(

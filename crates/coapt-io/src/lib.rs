@@ -16,6 +16,8 @@ pub mod export;
 
 pub mod report;
 
+pub mod record;
+
 pub mod compare;
 
 pub mod study;

@@ -31,6 +31,8 @@ pub mod relax;
 
 pub mod measure;
 
+pub mod film;
+
 pub mod sensitivity;
 
 pub mod search;

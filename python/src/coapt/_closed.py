@@ -288,6 +288,32 @@ class Closed:
         """
         self._native.write(folder, None)
 
+    def record(self, path: str | os.PathLike[str], *, frames: int = _core.FILM_FRAMES) -> None:
+        """Writes how this valve closes as an MCAP file, to be played in Foxglove or Lichtblick: what ``coapt closure --record`` writes.
+
+        The film is quasi-static: a row of balances under pressures from none to all of it, annulus and papillary tips where they
+        are in systole. It is found by unloading this result, which is its last frame, bit for bit. A frame that is no balance is
+        grey and says so. ``coapt replay`` makes the film again and compares it; a valve closed from a ``start`` of its own comes out
+        the same only if the open valve comes to rest there too.
+
+        Parameters
+        ----------
+        path : path
+            The file, ``closing.mcap`` say; beside it comes ``closing.layout.json``, to be imported in the viewer.
+        frames : int, optional
+            How many, from 2 to 10,000. Default: 60, which takes some ten times as long as the closure.
+
+        Raises
+        ------
+        ValueError
+            Another number of frames.
+        OSError
+            What the file system says.
+        KeyboardInterrupt
+            Within 0.2 s of Ctrl-C; nothing is written then.
+        """
+        self._native.record(path, _checked_frames(frames), None)
+
     def interactive(self) -> Live:
         """To be edited as by a slider: see :class:`coapt.Live`."""
         from coapt._live import Live
@@ -318,6 +344,12 @@ class Closed:
         if self._report is None:
             object.__setattr__(self, "_report", json.loads(self._native.report_json(None)))
         return cast("dict[str, Any]", self._report)
+
+
+def _checked_frames(frames: int) -> int:
+    if not 2 <= frames <= _core.FILM_FRAME_LIMIT:
+        raise ValueError(f"frames is {frames}; expected a number from 2 to {_core.FILM_FRAME_LIMIT}")
+    return frames
 
 
 def closed_of_bytes(stored: bytes) -> Closed:
@@ -377,6 +409,27 @@ class Closure:
             What the file system says.
         """
         self.before._native.write(folder, self._after())
+
+    def record(self, path: str | os.PathLike[str], *, frames: int = _core.FILM_FRAMES) -> None:
+        """Writes how the valve closes before and after the repairs as one MCAP file: see :meth:`Closed.record`.
+
+        Parameters
+        ----------
+        path : path
+            The file; its layout for viewers comes beside it.
+        frames : int, optional
+            How many to each film, from 2 to 10,000. Default: 60.
+
+        Raises
+        ------
+        ValueError
+            Another number of frames.
+        OSError
+            What the file system says.
+        KeyboardInterrupt
+            Within 0.2 s of Ctrl-C; nothing is written then.
+        """
+        self.before._native.record(path, _checked_frames(frames), self._after())
 
     def _after(self) -> _core.Closed | None:
         return None if self.after is None else self.after._native

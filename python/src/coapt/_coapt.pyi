@@ -15,6 +15,8 @@ _Indices = NDArray[np.uint32]
 _Given = NDArray[np.generic]
 
 __all__ = [
+    "FILM_FRAMES",
+    "FILM_FRAME_LIMIT",
     "STUDY_FACES",
     "STUDY_REFERENCE_FINER",
     "Closed",
@@ -33,6 +35,8 @@ __all__ = [
     "study",
 ]
 
+FILM_FRAMES: int
+FILM_FRAME_LIMIT: int
 STUDY_FACES: list[int]
 STUDY_REFERENCE_FINER: int
 __version__: str
@@ -110,6 +114,7 @@ class Closed:
         self, after: Closed | None
     ) -> list[tuple[str, str, str, int, float | None, float | None]]: ...
     def write(self, folder: str | os.PathLike[str], after: Closed | None) -> None: ...
+    def record(self, path: str | os.PathLike[str], frames: int, after: Closed | None) -> None: ...
     def stored(self) -> bytes: ...
     @staticmethod
     def from_stored(bytes: bytes) -> Closed: ...

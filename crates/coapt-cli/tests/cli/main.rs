@@ -4,6 +4,7 @@ mod closure;
 mod compare;
 mod export;
 mod faults;
+mod film;
 mod hard;
 mod interruption;
 mod limits;

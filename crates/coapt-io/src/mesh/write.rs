@@ -10,7 +10,7 @@ use coapt::scene::Fault;
 use quick_xml::escape::escape;
 
 use super::{Array, PolyData};
-use crate::atomic::{Batch, file_fault, write_text_atomically};
+use crate::atomic::{Batch, file_fault};
 
 /// Writes a mesh, marked `SPACE=LPS` as Slicer does. Each segment and each triangle becomes a cell with the
 /// values of the cell it is a part of.
@@ -35,6 +35,13 @@ pub(crate) fn stage_vtp(batch: &mut Batch, path: &Path, mesh: &PolyData) -> Resu
 /// # Errors
 /// A time that is not finite, or what the file system says.
 pub fn write_pvd(path: &Path, frames: &[(f64, String)]) -> Result<(), Fault> {
+    let mut batch = Batch::default();
+    stage_pvd(&mut batch, path, frames)?;
+    batch.finish()
+}
+
+/// The same as part of a batch.
+pub(crate) fn stage_pvd(batch: &mut Batch, path: &Path, frames: &[(f64, String)]) -> Result<(), Fault> {
     let fault = |message: String| Fault::error(path.display().to_string(), message);
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  \
@@ -52,7 +59,7 @@ pub fn write_pvd(path: &Path, frames: &[(f64, String)]) -> Result<(), Fault> {
         );
     }
     text.push_str("  </Collection>\n</VTKFile>\n");
-    write_text_atomically(path, text.as_bytes())
+    batch.write(path, text.as_bytes())
 }
 
 /// The XML and the data that are appended to it.

@@ -7,6 +7,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Serialize, Serializer};
 
+use super::film::PageFilm;
 use crate::mesh::{Array, PolyData};
 
 /// Numbers of a page.
@@ -48,6 +49,9 @@ pub struct Geometry {
     pub chords: Option<Chords>,
     /// Curves of rings [mm], shape `[ring][point, 3]`.
     pub rings: Vec<Floats>,
+    /// How it closes; none where that was not recorded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub film: Option<PageFilm>,
 }
 
 /// Chords of a closed valve.
@@ -106,6 +110,7 @@ impl Geometry {
             fields,
             chords: None,
             rings: Vec::new(),
+            film: None,
         })
     }
 

@@ -5,9 +5,10 @@
 //! | `page.html`, `page.css` | the frame of the page; `{{name}}` is filled in |
 //! | `viewer/src` (beside `src`) | what moves on it, built to `viewer/built/report.js` with three.js in it |
 //! | `read` | a folder of results as a [`Page`] |
-//! | `geometry` | shapes as the numbers that the page draws |
+//! | `geometry`, `film` | shapes and films as the numbers that the page draws |
 //! | `html` | tables and words, which are there without any script |
 
+pub mod film;
 pub mod geometry;
 mod html;
 mod read;
@@ -22,7 +23,7 @@ use serde_json::Value;
 
 use crate::report::TableRow;
 
-pub use read::read_page;
+pub use read::{RECORDING, add_film, read_page};
 
 /// Everything that a page shows.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,11 +7,53 @@ use coapt::scene::Fault;
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::film::page_films;
 use super::geometry::{Chords, Geometry, curve};
 use super::{Page, PageState, Seals};
 use crate::mesh::{PolyData, read_mesh};
+use crate::record::RecordedFilm;
 use crate::report::{TableRow, rows_of};
 use crate::scene::read_text;
+
+/// The recording that is looked for in a folder of results.
+pub const RECORDING: &str = "closing.mcap";
+
+/// Adds the film of a recording to a page of a single closure. It must be of that closure: its last frame is the closed valve.
+///
+/// # Errors
+/// A recording that cannot be read, is of another valve or of another closure; a page of a plan.
+pub fn add_film(page: &mut Page, path: &Path) -> Result<(), Vec<Fault>> {
+    if page.plan.is_some() {
+        return Err(fault(
+            path,
+            "belongs to a single closure; a page of a plan shows no film",
+        ));
+    }
+    let recording = crate::record::read(path).map_err(|fault| vec![fault])?;
+    if recording.cut {
+        return Err(fault(
+            path,
+            "is cut off: its last frames are missing; record the closure again",
+        ));
+    }
+    let films = page_films(&recording)?;
+    let same = |state: &PageState, film: &RecordedFilm| {
+        let last = film.frames.last().map_or(&[][..], |frame| &frame.positions_mm);
+        let rounded = last.iter().flatten().map(|&part| part as f32);
+        state.geometry.closed.0.iter().copied().eq(rounded)
+    };
+    let pairs = || page.states.iter().zip(&recording.films);
+    if films.len() != page.states.len() || !pairs().all(|(state, film)| same(state, film)) {
+        return Err(fault(
+            path,
+            "is the film of another closure; expected one that ends where this result does: record and write it in one run",
+        ));
+    }
+    for (state, film) in page.states.iter_mut().zip(films) {
+        state.geometry.film = Some(film);
+    }
+    Ok(())
+}
 
 /// Reads a folder of results. Of a plan, the valve as it is and so many alternatives, the first-ranked first, come on the page;
 /// what could not be carried out has no shape and stands in its table alone.

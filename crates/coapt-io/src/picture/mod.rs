@@ -13,7 +13,7 @@ use png::{BitDepth, ColorType, Encoder};
 
 use crate::atomic::Batch;
 use crate::page::geometry::{Chords, Floats, Geometry, curve};
-use crate::report::{Closed, Closure, NOTICE, closed_chords, closed_surface, polyline};
+use crate::report::{Closed, Closure, NOTICE, closed_surface, loaded_chords, polyline};
 use canvas::{Canvas, INK, LETTER_WIDTH};
 use colours::{Colouring, UNCERTIFIED};
 use view::{Direction, drawn};
@@ -98,7 +98,7 @@ fn geometry(closed: &Closed) -> Result<Geometry, String> {
     let (model, positions) = (&closed.model, &closed.equilibrium.state.positions_mm);
     let mut geometry = Geometry::of_closed_surface(&closed_surface(model, positions))?;
     if !model.chords.ends.is_empty() {
-        geometry.chords = Some(Chords::new(&closed_chords(model, positions), None)?);
+        geometry.chords = Some(Chords::new(&loaded_chords(model, positions), None)?);
     }
     Ok(geometry)
 }

@@ -107,22 +107,14 @@ fn stage_valve(batch: &mut Batch, folder: &Path, closed: &Closed) -> Result<(), 
     stage_closed_chords(batch, &folder.join("chords.vtp"), model, positions)
 }
 
-/// What `chords.vtp` holds, under any name.
+/// [`loaded_chords`] under any name, as part of a batch.
 pub(crate) fn stage_closed_chords(
     batch: &mut Batch,
     path: &Path,
     model: &Model,
     positions_mm: &[Vec3],
 ) -> Result<(), Fault> {
-    stage_vtp(batch, path, &closed_chords(model, positions_mm))
-}
-
-/// What `chords.vtp` holds, from positions of any source.
-pub(crate) fn closed_chords(model: &Model, positions_mm: &[Vec3]) -> PolyData {
-    let mut lines = chords(model, positions_mm);
-    let forces = measure::chord_forces(model, positions_mm);
-    lines.cell_arrays.push(array("force_n", 1, forces.into_iter()));
-    lines
+    stage_vtp(batch, path, &loaded_chords(model, positions_mm))
 }
 
 /// Writes [`closed_surface`] under any name.
@@ -205,6 +197,14 @@ fn at_points(model: &Model, positions_mm: &[Vec3]) -> Vec<Array> {
             measure::annulus_distance_mm(model, positions_mm).into_iter(),
         ),
     ]
+}
+
+/// What `chords.vtp` holds: the chordae with their tensions.
+pub(crate) fn loaded_chords(model: &Model, positions_mm: &[Vec3]) -> PolyData {
+    let mut lines = chords(model, positions_mm);
+    let forces_n = measure::chord_forces(model, positions_mm).into_iter();
+    lines.cell_arrays.push(array("force_n", 1, forces_n));
+    lines
 }
 
 /// The chordae in some position.

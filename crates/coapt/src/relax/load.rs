@@ -116,14 +116,20 @@ impl Merit {
             .zip(&self.linear_n)
             .map(|((x, x0), force)| force.dot(&(x - x0)))
             .sum();
-        tissue_energy(model, positions_mm)
-            + bending::energy(&model.hinges, positions_mm)
-            + chord::energy(&model.chords, positions_mm)
+        elastic_energy_mj(model, positions_mm)
             + penalty::energy(touches, model.contact.stiffness_mpa, positions_mm)
             + pressure::potential(&model.faces, model.pressure_mpa, self.apex_mm, positions_mm)
             + dead_load::energy(&model.dead_loads_n, positions_mm)
             + linear
     }
+}
+
+/// Energy that leaflets and chordae store, stretched and bent [mJ = N·mm]. Neither in it are contact, a penalty of the method, nor
+/// pressure, which has no energy at a free margin.
+pub fn elastic_energy_mj(model: &Model, positions_mm: &[Vec3]) -> f64 {
+    tissue_energy(model, positions_mm)
+        + bending::energy(&model.hinges, positions_mm)
+        + chord::energy(&model.chords, positions_mm)
 }
 
 /// Energy of springs and membranes [N·mm].

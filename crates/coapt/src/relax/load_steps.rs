@@ -14,7 +14,7 @@ use crate::model::Model;
 
 /// Iterations at the full load before it is tried [1]. Our choice, above what nearly all of `docs/hard-cases.md` takes on all its
 /// meshes together: sooner, and valves that come to rest by themselves would begin anew; later, and lost ones wait for longer.
-pub(super) const PATIENCE: u32 = 500;
+pub(crate) const PATIENCE: u32 = 500;
 /// Steps in which pressure rises. Our choice; no other number was tried.
 const STEPS: u32 = 4;
 /// Iterations of a step: it is only a way.

@@ -21,7 +21,8 @@ mod watch;
 
 use std::ops::ControlFlow;
 
-use load_steps::{PATIENCE, raise_pressure};
+pub(crate) use load_steps::PATIENCE;
+use load_steps::raise_pressure;
 
 use crate::Vec3;
 use crate::model::Model;
