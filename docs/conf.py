@@ -6,6 +6,7 @@ No network, neither to build nor to read it. Notebooks are shown with the output
 which runs them all, keeps those true, and to run them here too would only cost their time again.
 """
 
+import inspect
 import os
 import shutil
 import sys
@@ -66,5 +67,12 @@ def copy_rust_pages(app: Sphinx, failed: Exception | None) -> None:
         shutil.copytree(RUST_PAGES, Path(app.outdir) / "rust", dirs_exist_ok=True)
 
 
+def as_written(_app: Sphinx, what: str, _name: str, thing: object, _options: object, lines: list[str]) -> None:
+    """Napoleon takes what stands before a colon in a property's docstring for its type; ours are sentences."""
+    if what == "property":
+        lines[:] = (inspect.getdoc(thing) or "").splitlines()
+
+
 def setup(app: Sphinx) -> None:
+    app.connect("autodoc-process-docstring", as_written, priority=600)  # after Napoleon, which has 500
     app.connect("build-finished", copy_rust_pages)

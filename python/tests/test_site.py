@@ -69,6 +69,11 @@ def test_every_public_name_is_on_the_page_of_the_interface(site, pages):
     assert {"coapt.Valve.close", "coapt.Closed.orifice", "coapt.Ring.physio_like"} <= places
 
 
+def test_docstrings_stand_as_they_are_written(site, pages):
+    text = re.sub(r"<[^>]*>", "", pages[(site / "api.html").resolve()].text)
+    assert "Whether the result may be used: converged, stable, nothing crosses." in text
+
+
 def test_no_link_is_dead(pages):
     dead = []
     for path, page in pages.items():
