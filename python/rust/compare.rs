@@ -35,7 +35,7 @@ enum Given<'py> {
 }
 
 /// The same without Python.
-enum Source {
+pub(crate) enum Source {
     Closed(Arc<Inner>),
     Arrays(PolyData),
     File(PathBuf),
@@ -60,7 +60,11 @@ pub(crate) fn compare(
     Ok(Comparison { inner })
 }
 
-fn source(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Source> {
+/// A surface as it is given, called by a name where it is wrong.
+///
+/// # Errors
+/// What is no surface, naming what was found.
+pub(crate) fn source(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Source> {
     Ok(match given.extract::<Given<'_>>()? {
         Given::Closed(closed) => Source::Closed(Arc::clone(&closed.get().inner)),
         Given::Arrays(points_mm, triangles) => Source::Arrays(PolyData {

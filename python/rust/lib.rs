@@ -9,6 +9,7 @@ mod compare;
 mod curve;
 mod fault;
 mod live;
+mod personalise;
 mod plan;
 mod run;
 mod stored;
@@ -29,6 +30,8 @@ mod _coapt {
     use crate::curve::read_curve;
     #[pymodule_export]
     use crate::live::Live;
+    #[pymodule_export]
+    use crate::personalise::{Fit, personalise};
     #[pymodule_export]
     use crate::plan::{Plan, plan_of_dict, plan_of_file};
     #[pymodule_export]

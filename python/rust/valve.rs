@@ -8,7 +8,7 @@ use coapt::Vec3;
 use coapt::relax::relax_watched;
 use coapt::scene::{Fault, LineMesh, Load, MMHG_MPA, Repair, Scene, SurfaceMesh};
 use coapt::state::State;
-use coapt_io::scene::part_from_table;
+use coapt_io::scene::{part_from_table, write_scene};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use crate::arrays::{index_list, index_rows, numbers, out_list, out_points, out_rows, points};
 use crate::built::{self, Built};
 use crate::closed::{Closed, Relaxed};
-use crate::fault::{Told, input_error, one_error, told};
+use crate::fault::{Told, input_error, one_error, outside_error, told};
 use crate::run::{Stop, run};
 use crate::stored;
 use crate::table::{table, value_of};
@@ -223,6 +223,18 @@ impl Valve {
     #[getter]
     fn repairs_json(&self) -> PyResult<String> {
         stored::json(&self.built.repairs)
+    }
+
+    /// Writes the scene with its meshes, as `coapt generate --out` does.
+    fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        let count = self.built.repairs.len();
+        if count > 0 {
+            let message = format!("has {count} repair(s), which no scene holds; expected a valve before any");
+            return Err(one_error(py, "valve", message));
+        }
+        let scene = Arc::clone(&self.built.scene);
+        let written = run(py, move |_| write_scene(&folder, &scene))?;
+        written.map_err(|fault| outside_error(&fault))
     }
 
     /// The valve as bytes, with a version.

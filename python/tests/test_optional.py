@@ -58,6 +58,8 @@ def test_pictures_are_drawn_with_their_notice(closed, tmp_path):
     for color_by in ("gap_mm", "contact", "strain", "leaflet"):
         figure = closed.plot(color_by=color_by)
         assert coapt.NOTICE in figure.get_suptitle()
+    # Notebooks ask for this.
+    assert figure._repr_png_().startswith(b"\x89PNG")
     figure.savefig(tmp_path / "closed.png")
     assert (tmp_path / "closed.png").stat().st_size > 10_000
     with pytest.raises(ValueError, match="expected one of"):

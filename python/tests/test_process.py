@@ -96,8 +96,12 @@ INTERRUPTED = """
             "valve = coapt.generate('barlow', faces=1300)",
             "coapt.plan(valve, [coapt.Ring.physio_like(24 + 0.5 * i) for i in range(30)])",
         ),
+        (
+            "valve = coapt.generate('barlow', faces=1300); image = valve.close(pressure_mmhg=110)",
+            "coapt.personalise(valve, image, per_group=True)",
+        ),
     ],
-    ids=["close", "close_many", "plan"],
+    ids=["close", "close_many", "plan", "personalise"],
 )
 def test_ctrl_c_is_honoured_at_once(made, work):
     # 0.2 s is what was promised; the rest is for a machine that others use too.

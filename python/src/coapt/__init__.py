@@ -32,6 +32,7 @@ from coapt._measures import (
     SutureForces,
     Tenting,
 )
+from coapt._personalise import ChordScale, FitResult, TargetDistance, personalise
 from coapt._plan import PlanResult, plan
 from coapt._repairs import (
     Alfieri,
@@ -82,6 +83,7 @@ __all__ = [
     "ChordLaw",
     "ChordLinear",
     "ChordPiecewiseLinear",
+    "ChordScale",
     "ChordTable",
     "Chords",
     "Clip",
@@ -95,6 +97,7 @@ __all__ = [
     "Exponential",
     "Fault",
     "FileCurve",
+    "FitResult",
     "InputError",
     "Iteration",
     "Landmarks",
@@ -118,6 +121,7 @@ __all__ = [
     "StVenantKirchhoff",
     "StudyResult",
     "SutureForces",
+    "TargetDistance",
     "Tenting",
     "Tissue",
     "TransferChord",
@@ -129,6 +133,7 @@ __all__ = [
     "compare",
     "generate",
     "load",
+    "personalise",
     "plan",
     "read_curve",
     "study",

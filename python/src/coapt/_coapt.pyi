@@ -21,6 +21,7 @@ __all__ = [
     "STUDY_REFERENCE_FINER",
     "Closed",
     "Comparison",
+    "Fit",
     "Live",
     "Plan",
     "Study",
@@ -29,6 +30,7 @@ __all__ = [
     "check_repair",
     "close_many",
     "compare",
+    "personalise",
     "plan_of_dict",
     "plan_of_file",
     "read_curve",
@@ -83,6 +85,7 @@ class Valve:
     def warnings(self) -> list[_Told]: ...
     @property
     def repairs_json(self) -> str: ...
+    def write(self, folder: str | os.PathLike[str]) -> None: ...
     def stored(self) -> bytes: ...
     @staticmethod
     def from_stored(bytes: bytes) -> Valve: ...
@@ -154,6 +157,20 @@ def compare(
     atrial_direction: tuple[float, float, float] | None,
     thickness_mm: float | None,
 ) -> Comparison: ...
+
+@final
+class Fit:
+    @property
+    def certified(self) -> bool: ...
+    @property
+    def valve(self) -> Valve | None: ...
+    @property
+    def untuned(self) -> Closed | None: ...
+    @property
+    def tuned(self) -> Closed | None: ...
+    def report_json(self) -> str: ...
+
+def personalise(valve: Valve, closed_surface: _Surface, per_group: bool) -> Fit: ...
 def plan_of_file(
     valve: Valve, path: str | os.PathLike[str], keep_shapes: bool, max_alternatives: int
 ) -> Plan: ...

@@ -52,7 +52,7 @@ def compare(
 
     Parameters
     ----------
-    result, reference : Closed, path, or (points, triangles)
+    result, reference : Closed, path, or two arrays
         Closed valves; surface files (.vtp, .vtk, .ply, .stl, .obj) or folders that ``coapt closure --out`` wrote; arrays of
         points [mm], float64, shape (n, 3), with triangles, shape (m, 3).
     atrial_direction : sequence of 3 numbers, optional

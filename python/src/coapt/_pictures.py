@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,9 +25,17 @@ def picture(closed: Closed, color_by: str) -> matplotlib.figure.Figure:
 
     from coapt._closed import NOTICE
 
+    class Picture(Figure):
+        """Notebooks show it by itself, also where nobody imported pyplot."""
+
+        def _repr_png_(self) -> bytes:
+            drawn = io.BytesIO()
+            self.savefig(drawn, format="png", dpi=72)
+            return drawn.getvalue()
+
     corners = closed.positions_mm[closed.triangles]
     colours = _of_triangles(closed, color_by)
-    figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    figure = Picture(figsize=(9.0, 4.2), layout="constrained")
     axes = figure.subplots(1, 2)
     for ax, (title, seen, (along, side)) in zip(axes, VIEWS):
         order = np.argsort(side * corners[:, :, along].mean(axis=1))

@@ -1,4 +1,4 @@
-"""What comparisons, plans and studies have in common: a frozen result with a report, made by a function of the package."""
+"""What comparisons, plans, studies and fits have in common: a frozen result, made by a function of the package, with a report."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ class _Reporting(Protocol):
     def write(self, folder: str | os.PathLike[str]) -> None: ...
 
 
+Made = TypeVar("Made")
 Native = TypeVar("Native", bound=_Reporting)
 
 
-class Result(Generic[Native]):
-    """A result with a report; see the classes made of it."""
+class Frozen(Generic[Made]):
+    """What the native half made; it never changes."""
 
     __slots__ = ("_native",)
-    _native: Native
+    _native: Made
 
     #: What makes one, for who tries to.
     _MADE_BY: ClassVar[str]
@@ -35,13 +36,19 @@ class Result(Generic[Native]):
         raise TypeError(f"a {type(self).__name__} is made by {self._MADE_BY}")
 
     @classmethod
-    def _of(cls, made: Native) -> Self:
+    def _of(cls, made: Made) -> Self:
         result = cls.__new__(cls)
         object.__setattr__(result, "_native", made)
         return result
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a result does not change; cannot set {name!r}")
+
+
+class Result(Frozen[Native]):
+    """A result with a report; see the classes made of it."""
+
+    __slots__ = ()
 
     def text(self) -> str:
         """The table as the program prints it."""

@@ -367,6 +367,18 @@ class Valve:
 
         return Panel(self.close())
 
+    def write(self, folder: str | os.PathLike[str]) -> None:
+        """Writes what ``coapt generate --out`` writes, ``scene.toml`` with its meshes, for :func:`coapt.load` and the program.
+
+        Raises
+        ------
+        InputError
+            A valve with repairs, which no scene holds: write it before them, and them as a plan.
+        OSError
+            What the file system says.
+        """
+        self._native.write(folder)
+
     def to_pyvista(self) -> pyvista.PolyData:
         """The open leaflets; needs PyVista. Cells carry ``leaflet``, points ``annulus``."""
         from coapt._pyvista import leaflets
