@@ -36,6 +36,7 @@ pub(crate) struct Inner {
 }
 
 /// Where a valve came to rest, and how long that took.
+#[derive(Clone)]
 pub(crate) struct Relaxed {
     pub(crate) equilibrium: Equilibrium,
     /// Wall-clock time [ms].

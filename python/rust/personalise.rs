@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::built::Built;
-use crate::closed::Closed;
+use crate::closed::{Closed, Relaxed};
 use crate::compare::{Source, source};
 use crate::fault::{input_error, one_error};
 use crate::run::{Stop, run};
@@ -35,7 +35,7 @@ pub(crate) struct Fit {
 }
 
 /// A valve and its closed state, made as everybody makes it: what the fit found, but for the rounding of lengths.
-type Closure = (Arc<Built>, report::Closed);
+type Closure = (Arc<Built>, Relaxed);
 
 /// Fits the lengths of the chordae so that the valve closes to a surface.
 #[pyfunction]
@@ -121,7 +121,7 @@ fn target(py: Python<'_>, given: &Bound<'_, PyAny>) -> PyResult<(String, Target,
     let place = "closed_surface";
     let (name, mesh, warnings) = match source(place, given)? {
         Source::Closed(inner) => {
-            let positions_mm = &inner.closed.equilibrium.state.positions_mm;
+            let positions_mm = &inner.relaxed.equilibrium.state.positions_mm;
             let mesh = report::closed_surface(&inner.built.model, positions_mm);
             (place.to_owned(), mesh, Vec::new())
         }
@@ -212,6 +212,6 @@ impl Fit {
     }
 }
 
-fn closed((built, closed): &Closure) -> Closed {
-    Closed::new(Arc::clone(built), closed.clone())
+fn closed((built, relaxed): &Closure) -> Closed {
+    Closed::new(Arc::clone(built), relaxed.clone())
 }

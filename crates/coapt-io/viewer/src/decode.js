@@ -12,19 +12,14 @@ export function integers(base64) {
   return new Uint32Array(bytes(base64).buffer);
 }
 
+function shorts(base64) {
+  return new Uint16Array(bytes(base64).buffer);
+}
+
 // The geometry of a state with its arrays decoded. Positions and lengths in mm, shapes `[vertex, 3]`, `[face, 3]`, `[chord, 2]`.
 export function decodeGeometry(coded) {
   const fields = {};
   for (const [name, values] of Object.entries(coded.fields)) fields[name] = floats(values);
-  const film = coded.film && {
-    pressures_mmhg: coded.film.pressures_mmhg,
-    certified: coded.film.certified,
-    frames: coded.film.frames.map((frame) => {
-      const decoded = { positions: floats(frame.positions), fields: {}, chords: frame.chords && floats(frame.chords) };
-      for (const [name, values] of Object.entries(frame.fields)) decoded.fields[name] = floats(values);
-      return decoded;
-    }),
-  };
   return {
     faces: integers(coded.faces),
     faceLeaflet: integers(coded.face_leaflet),
@@ -39,6 +34,25 @@ export function decodeGeometry(coded) {
       force_n: floats(coded.chords.force_n),
     },
     rings: coded.rings.map(floats),
-    film,
+    film: coded.film,
+  };
+}
+
+// A frame of a film: positions of leaflet vertices and of both ends of each chord [mm], and what is known at the vertices.
+export function decodeFrame(film, number, { open }, { centre_mm, to_atrium }) {
+  const place = (steps) => Float32Array.from(steps, (step, part) => film.low_mm[part % 3] + step * film.step_mm);
+  const positions = place(shorts(film.positions[number]));
+  const count = positions.length / 3;
+  const ofVertex = (value) => Float32Array.from({ length: count }, (_, vertex) => value(positions.subarray(3 * vertex, 3 * vertex + 3), vertex));
+  return {
+    positions,
+    chordEnds: place(shorts(film.chords[number])),
+    fields: {
+      gap_mm: Float32Array.from(bytes(film.gap[number]), (step) => step * film.gap_step_mm),
+      strain: Float32Array.from(bytes(film.strain[number]), (step) => step * film.strain_step),
+      contact: Float32Array.from(bytes(film.contact[number])),
+      displacement_mm: ofVertex((at, vertex) => Math.hypot(...at.map((part, axis) => part - open[3 * vertex + axis]))),
+      annulus_distance_mm: ofVertex((at) => at.reduce((sum, part, axis) => sum + (part - centre_mm[axis]) * to_atrium[axis], 0)),
+    },
   };
 }

@@ -1,6 +1,6 @@
 // What is drawn flat: the section, the leaflets unrolled, the forces of the chordae.
 
-import { LEAFLET_COLOURS, SLACK_COLOUR, colourAt, css, shortNumber } from "./colours.js";
+import { LEAFLET_COLOURS, SLACK_COLOUR, colourAt, css, niceAbove, shortNumber } from "./colours.js";
 import { cut } from "./section.js";
 import { begin, element } from "./svg.js";
 
@@ -100,4 +100,39 @@ export function drawForces(svg, chords, groupNames, largest_n) {
     svg.append(element("text", { x: across(share * largest_n), y: height - 8, "text-anchor": "middle" }, shortNumber(share * largest_n)));
   }
   svg.append(element("text", { x: width - 54, y: height - 8 }, "sum"));
+}
+
+const CURVES = [
+  { key: "orifice_area_mm2", label: "orifice [mm²]", dash: "" },
+  { key: "coaptation_area_mm2", label: "contact [mm²]", dash: "5 4" },
+];
+const STATE_COLOURS = ["#8f4500", "#0b4f8a"];
+
+// Orifice and contact while valves close, against pressure; a line stands at the frame that is shown. Pressure is drawn by its cube
+// root, as films are made, so that frames are evenly spaced.
+export function drawCurves(svg, states, frame) {
+  const [width, height, left, below] = [840, 240, 60, 40];
+  begin(svg, width, height, "Orifice and contact area while the valve closes, against pressure");
+  if (!states.length) return;
+  const known = states.flatMap(({ geometry: { film } }) => CURVES.flatMap(({ key }) => film[key].filter((value) => value !== null)));
+  const most = niceAbove(Math.max(1e-9, ...known));
+  const peak = Math.max(...states[0].geometry.film.pressures_mmhg);
+  const across = (pressure) => left + Math.cbrt(pressure / peak) * (width - left - 200);
+  const up = (value) => height - below - (value / most) * (height - below - 14);
+  svg.append(element("line", { x1: left, x2: width - 200, y1: up(0), y2: up(0), stroke: "#9a9a94" }));
+  for (const share of [0, 0.5, 1]) svg.append(element("text", { x: left - 6, y: up(share * most) + 4, "text-anchor": "end" }, shortNumber(share * most)));
+  for (const share of [0, 0.01, 0.1, 0.5, 1]) svg.append(element("text", { x: across(share * peak), y: height - below + 16, "text-anchor": "middle" }, shortNumber(share * peak)));
+  svg.append(element("text", { x: (left + width - 200) / 2, y: height - 6, "text-anchor": "middle" }, "pressure [mmHg]"));
+  states.forEach(({ name, geometry: { film } }, number) => {
+    CURVES.forEach(({ key, label, dash }, line) => {
+      const points = film[key].flatMap((value, at) => (value === null || !film.certified[at] ? [] : [`${across(film.pressures_mmhg[at])},${up(value)}`]));
+      const colour = STATE_COLOURS[number % STATE_COLOURS.length];
+      svg.append(element("polyline", { points: points.join(" "), fill: "none", stroke: colour, "stroke-width": 2, "stroke-dasharray": dash }));
+      const y = 24 + 18 * (number * CURVES.length + line);
+      svg.append(element("line", { x1: width - 190, x2: width - 160, y1: y - 4, y2: y - 4, stroke: colour, "stroke-width": 2, "stroke-dasharray": dash }));
+      svg.append(element("text", { x: width - 154, y }, `${name}: ${label}`));
+    });
+  });
+  const shown = states[0].geometry.film.pressures_mmhg[frame];
+  if (shown !== undefined) svg.append(element("line", { x1: across(shown), x2: across(shown), y1: 8, y2: up(0), stroke: "#222", "stroke-width": 1 }));
 }

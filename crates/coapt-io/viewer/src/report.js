@@ -1,9 +1,9 @@
 // The page of a report: what its controls do. The page itself, with all tables, is written by the program.
 
 import { LEAFLET_COLOURS, QUANTITIES, css, legend, niceAbove, range, shortNumber, vertexColours } from "./colours.js";
-import { decodeGeometry } from "./decode.js";
-import { drawForces, drawSection, drawUnrolled } from "./drawings.js";
-import { DIRECTIONS, chordLines, createValve, createView, draw, fit, lookFrom, requestDraw, setMesh, setShape, vertexAt } from "./valve3d.js";
+import { decodeFrame, decodeGeometry } from "./decode.js";
+import { drawCurves, drawForces, drawSection, drawUnrolled } from "./drawings.js";
+import { DIRECTIONS, chordLines, createValve, createView, draw, fit, lookFrom, plainChordLines, requestDraw, setMesh, setShape, vertexAt } from "./valve3d.js";
 
 const find = (id) => document.getElementById(id);
 const data = JSON.parse(find("data").textContent);
@@ -22,18 +22,24 @@ function shownStates() {
 
 // Without a recording there is only open and closed.
 function frameCount() {
-  return Math.max(...shownStates().map((number) => states[number].geometry.film?.frames.length ?? 1));
+  return Math.max(...shownStates().map((number) => states[number].geometry.film?.pressures_mmhg.length ?? 1));
 }
 
 // Positions, fields and chord points of a state at the chosen frame: 0 is the open valve, the last the closed one.
 function shape({ geometry }) {
   const last = frameCount();
-  if (choice.frame === 0) return { positions: geometry.open, fields: {}, chords: geometry.chords?.open, open: true };
-  if (choice.frame < last && geometry.film) {
-    const frame = geometry.film.frames[Math.min(choice.frame, geometry.film.frames.length) - 1];
-    return { ...frame, film: geometry.film, number: choice.frame - 1 };
+  const { chords, film } = geometry;
+  const tense = (points) => (points ? chordLines(chords, points, largestForce) : null);
+  if (choice.frame === 0) return { positions: geometry.open, fields: {}, chords: chords?.open ? plainChordLines(endsOf(chords, chords.open)) : null, open: true };
+  if (choice.frame < last && film) {
+    const frame = decodeFrame(film, choice.frame - 1, geometry, data.frame);
+    return { ...frame, chords: plainChordLines(frame.chordEnds) };
   }
-  return { positions: geometry.closed, fields: geometry.fields, chords: geometry.chords?.closed, closed: true };
+  return { positions: geometry.closed, fields: geometry.fields, chords: tense(chords?.closed) };
+}
+
+function endsOf({ ends }, points) {
+  return Float32Array.from({ length: 3 * ends.length }, (_, part) => points[3 * ends[Math.floor(part / 3)] + (part % 3)]);
 }
 
 function coloursOf({ geometry }, { fields }, limits) {
@@ -66,8 +72,7 @@ function refresh() {
     loaded.set(valve, number);
     const now = shape(state);
     const colours = coloursOf(state, now, between);
-    const { chords } = state.geometry;
-    setShape(valve, now.positions, colours, choice.chordae && chords && now.chords ? chordLines(chords, now.chords, largestForce) : null);
+    setShape(valve, now.positions, colours, choice.chordae ? now.chords : null);
     valve.edges.visible = choice.edges;
     // A ring lies where the annulus goes to, not where it is in the open valve.
     valve.rings.visible = !now.open;
@@ -76,6 +81,8 @@ function refresh() {
   refreshWords(numbers);
   refreshLegend(between);
   refreshDrawings(numbers.at(-1), between);
+  drawCurves(find("curves"), numbers.map((number) => states[number]).filter(({ geometry }) => geometry.film), choice.frame - 1);
+  find("curves-block").hidden = !states.some(({ geometry }) => geometry.film);
   refreshTable();
 }
 

@@ -62,7 +62,7 @@ function toValveFrame({ centre_mm, to_atrium, to_anterior }) {
 }
 
 // Gives a valve a mesh, once for each state. `rings`: points of curves, shape `[point, 3]` each.
-export function setMesh(valve, { faces, rings, chords }) {
+export function setMesh(valve, { faces, rings }) {
   const geometry = new three.BufferGeometry();
   geometry.setIndex(new three.BufferAttribute(faces, 1));
   valve.leaflets.geometry.dispose();
@@ -72,7 +72,6 @@ export function setMesh(valve, { faces, rings, chords }) {
   valve.edges.geometry.setIndex(new three.BufferAttribute(uniqueEdges(faces), 1));
   valve.chords.geometry.dispose();
   valve.chords.geometry = new three.BufferGeometry();
-  if (chords) valve.chords.geometry.setIndex(new three.BufferAttribute(chords.ends, 1));
   valve.rings.children.forEach((tube) => tube.geometry.dispose());
   valve.rings.clear();
   for (const points of rings) valve.rings.add(ringTube(points));
@@ -138,6 +137,13 @@ export function chordLines({ ends, force_n }, points, largest_n) {
     colours.set(force > 0 ? colourAt("viridis", force / largest_n) : SLACK_COLOUR, 3 * end);
   });
   return { positions, colours };
+}
+
+// While a valve closes, tensions are not known: all its chords look slack. `ends`: shape `[chord, 2, 3]`.
+export function plainChordLines(ends) {
+  const colours = new Float32Array(ends.length);
+  for (let at = 0; at < ends.length; at += 3) colours.set(SLACK_COLOUR, at);
+  return { positions: ends, colours };
 }
 
 export function lookFrom(view, name) {

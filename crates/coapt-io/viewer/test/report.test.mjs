@@ -24,7 +24,7 @@ site = ["A1P1", "A2P2", "A3P3"]
 `;
 
 before(async () => {
-  coapt("closure", "dilated", "--ring", "physio-like:30", "--out", "ring");
+  coapt("closure", "dilated", "--ring", "physio-like:30", "--out", "ring", "--record", "ring/closing.mcap", "--frames", "12");
   coapt("report", "ring", "-o", "ring.html");
   coapt("closure", "healthy", "--out", "alone");
   coapt("report", "alone", "-o", "alone.html");
@@ -102,6 +102,33 @@ test("opening the valve", async () => {
   assert.equal(await page.locator("#pose-value").textContent(), "open, as given");
   assert.equal(await page.locator("[data-shown]").count(), 0);
   assert.deepEqual(complaints, []);
+});
+
+test("a film: every frame under its pressure, curves beside it, and it plays to its end", async () => {
+  const { page, complaints } = await open(browser, "ring.html");
+  assert.equal(await page.locator("#pose").getAttribute("max"), "12");
+  const words = [];
+  for (const frame of ["1", "4", "8", "12"]) {
+    const drawn = await change(page, () => page.fill("#pose", frame));
+    if (frame !== "12") assertChanged(drawn, `frame ${frame}`);
+    words.push(await page.locator("#pose-value").textContent());
+  }
+  assert.equal(words[0], "0 mmHg");
+  assert.equal(words[3], "closed at 100 mmHg");
+  const pressures = words.slice(0, 3).map((text) => Number.parseFloat(text));
+  assert.ok(pressures[0] < pressures[1] && pressures[1] < pressures[2], words.join());
+  // Orifice and contact, before is not shown: two lines.
+  assert.equal(await page.locator("#curves polyline").count(), 2);
+  await page.click("#play");
+  await page.getByText("Pause").waitFor();
+  await page.waitForFunction(() => document.getElementById("play").textContent === "Close the valve", null, { timeout: 60_000 });
+  assert.equal(await page.locator("#pose-value").textContent(), "closed at 100 mmHg");
+  assert.deepEqual(complaints, []);
+});
+
+test("without a film there are no curves", async () => {
+  const { page } = await open(browser, "alone.html");
+  assert.ok(await page.locator("#curves-block").isHidden());
 });
 
 test("the section is where its slider says", async () => {
