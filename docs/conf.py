@@ -21,7 +21,7 @@ sys.path.insert(0, str(HERE / "_extensions"))
 project = "coapt"
 release = version = version_of("coapt")
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathml", "repository_links", "rust_text"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathml", "repository_links", "rust_text", "examples"]
 exclude_patterns = ["notebooks/.ipynb_checkpoints"]
 templates_path = ["_templates"]
 # Parts of a page that are included begin at the depth that they have there.
