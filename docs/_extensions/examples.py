@@ -15,12 +15,14 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 #: Frames of the films: the site stays small, and they are smooth enough.
 FRAMES = "40"
 
-#: By name: the preset, and what is done to it, as a plan.
-EXAMPLES = {
-    "healthy": ("healthy", None),
-    "ring": ("dilated", 'kind = "ring"\nfamily = "physio-like"\nsize_mm = 30'),
-    "neochord": ("flail", 'kind = "neochord"\nleaflet = "posterior"\nsite = "A2P2"'),
-    "clip": ("flail", 'kind = "clip"\nsite = "A2P2"'),
+LOOP = 'kind = "neochord"\nleaflet = "posterior"\nposition = {}\nmuscle = "{}"'
+
+#: By name: the preset, and what is done to it, as repairs of a plan.
+EXAMPLES: dict[str, tuple[str, list[str]]] = {
+    "healthy": ("healthy", []),
+    "ring": ("dilated", ['kind = "ring"\nfamily = "physio-like"\nsize_mm = 30']),
+    "neochord": ("flail", [LOOP.format(0.42, "anterolateral"), LOOP.format(0.58, "posteromedial")]),
+    "clip": ("flail", ['kind = "clip"\nsite = "A2P2"']),
 }
 
 
@@ -35,13 +37,14 @@ def make(coapt: Path, folder: Path) -> None:
     """Closes, films and reports each example."""
     folder.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory() as scratch:
-        for name, (preset, repair) in EXAMPLES.items():
+        for name, (preset, repairs) in EXAMPLES.items():
             result = Path(scratch, name)
             words: list[str | Path] = ["closure", preset, "--out", result, "--frames", FRAMES]
             words += ["--record", folder / f"{name}.mcap", "--picture", folder / f"{name}.png"]
-            if repair:
+            if repairs:
                 plan = Path(scratch, f"{name}.toml")
-                plan.write_text(f"schema_version = 1\n\n[[repair]]\n{repair}\n", encoding="utf-8")
+                body = "".join(f"\n[[repair]]\n{repair}\n" for repair in repairs)
+                plan.write_text(f"schema_version = 1\n{body}", encoding="utf-8")
                 words += ["--plan", plan]
             run(coapt, words)
             run(coapt, ["report", result, "--recording", folder / f"{name}.mcap", "-o", folder / f"{name}.html"])
