@@ -46,7 +46,8 @@ export function drawUnrolled(canvas, { faces, faceLeaflet }, along, fromMargin, 
   const density = window.devicePixelRatio || 1;
   canvas.width = width * density;
   canvas.height = height * density;
-  const pen = canvas.getContext("2d");
+  // Drawn by the processor: thousands of small triangles are what graphics cards' canvases are slow at.
+  const pen = canvas.getContext("2d", { willReadFrequently: true });
   pen.scale(density, density);
   pen.clearRect(0, 0, width, height);
   const deepest = fromMargin.reduce((most, value) => (Number.isFinite(value) ? Math.max(most, value) : most), 1);

@@ -129,6 +129,9 @@ function span(text) {
   return made;
 }
 
+const RESTS_MS = 60;
+let unrolling = null;
+
 function refreshDrawings(number, between) {
   const state = states[number];
   const { geometry } = state;
@@ -137,7 +140,10 @@ function refreshDrawings(number, between) {
   drawSection(find("section"), geometry, now.open ? shapes.slice(1) : shapes, data.frame, choice.section_mm, data.reach_mm);
   find("section-value").textContent = sectionWords();
   find("section-caption").textContent = state.name;
-  drawUnrolled(find("unrolled"), geometry, geometry.fields.along, geometry.fields.from_margin_mm, coloursOf(state, now, between));
+  const unroll = () => drawUnrolled(find("unrolled"), geometry, geometry.fields.along, geometry.fields.from_margin_mm, coloursOf(state, now, between));
+  // The slowest picture: it waits until a slider rests, so that the valve itself follows at once.
+  clearTimeout(unrolling);
+  unrolling = setTimeout(unroll, RESTS_MS);
   find("unrolled-caption").textContent = state.name;
   find("forces-block").hidden = !geometry.chords;
   if (geometry.chords) drawForces(find("forces"), geometry.chords, state.chord_groups, largestForce);

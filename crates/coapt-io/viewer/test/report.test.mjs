@@ -54,6 +54,7 @@ test("the valve is drawn and its numbers are those of the report", async () => {
   const { share } = await pixels(page, "view");
   // The annulus alone encloses a tenth of the picture; a valve that fills it would be cut off.
   assert.ok(share > 0.05 && share < 0.8, `${share} of the picture is drawn`);
+  await page.waitForFunction(() => document.getElementById("unrolled").width > 300);
   const unrolled = await pixels(page, "unrolled");
   assert.ok(unrolled.share > 0.2, `${unrolled.share} of the map is drawn`);
   const report = JSON.parse(readFileSync(join(folder, "ring", "report.json"), "utf8"));
