@@ -20,7 +20,7 @@ use crate::output::{Failure, say};
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("films").args(["record", "sequence", "glb"]).multiple(true)))]
 pub(crate) struct FilmArguments {
-    /// Also write how the valve closes, before and after, as an MCAP file to be played in Foxglove or Lichtblick and to be made again by
+    /// Also write how the valve closes, before and after repair (of alternatives: the one that ranks first), as an MCAP file to be played in Foxglove or Lichtblick and to be made again by
     /// `coapt replay`; beside FILE.mcap stands FILE.layout.json for viewers
     #[arg(long, value_name = "FILE.mcap")]
     record: Option<PathBuf>,

@@ -65,7 +65,6 @@ pub(crate) struct Arguments {
     /// How many threads to use; the result does not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// What is filmed is the valve as it is and after the alternative that ranks first
     #[command(flatten)]
     film: FilmArguments,
     #[command(flatten)]

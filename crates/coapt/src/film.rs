@@ -41,8 +41,8 @@ const PRESSURE_EXPONENT: i32 = 3;
 /// A valve closing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    /// From the one without pressure to the closed valve. Stopped by its watcher, it has only the frames that were
-    /// being shown backwards until then, of which the first has [`Status::Interrupted`].
+    /// From the one without pressure to the closed valve. A film that its watcher stopped has the last frames only, those that were
+    /// found by then, and the first of these is [`Status::Interrupted`].
     pub frames: Vec<Frame>,
     /// How far the leaflet vertex is that lies farthest from where the open valve comes to rest without pressure, in the first
     /// frame [mm]: large where several shapes are stable and the valve does not open as it is drawn. None where that balance was not found.

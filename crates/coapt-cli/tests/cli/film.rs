@@ -290,7 +290,7 @@ fn a_film_is_shown_as_glb() {
     }
     // Up is +z of the patient: the annulus stands above the tips.
     let base = accessor(&leaflets["attributes"]["POSITION"]);
-    let chords = accessor(&document["meshes"][0]["primitives"][1]["attributes"]["POSITION"]);
+    let chords = accessor(&document["meshes"][1]["primitives"][0]["attributes"]["POSITION"]);
     assert!(base["max"][1].as_f64() > chords["min"][1].as_f64());
     assert!(base["count"].as_u64().unwrap() > 100);
 }

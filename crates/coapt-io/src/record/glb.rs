@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 
 use super::{Filmed, draw, time_ns};
 use crate::atomic::{file_fault, write_text_atomically};
+use crate::report::NOTICE;
 
 /// Numbers of the format: what a buffer holds, types of components, kinds of primitives.
 const VERTICES: u32 = 34962;
@@ -50,41 +51,53 @@ fn glb(filmed: Filmed) -> Result<Vec<u8>, String> {
     let colors: Vec<[f32; 4]> = draw::strain_colors(model, &closed.equilibrium.state.positions_mm)
         .map(|color| [color.r, color.g, color.b, color.a].map(linear))
         .collect();
-    let leaflets = draft.primitive(
+    let leaflets = draft.mesh(
         &balances,
         &leaflet_points,
         model.faces.as_flattened(),
         TRIANGLES,
         Some(&colors),
     );
-    let mut primitives = vec![leaflets];
+    let mut meshes = vec![leaflets];
     if !model.chords.ends.is_empty() {
         let ends = |frame: &Frame| ends_of(model, &frame.equilibrium.state.positions_mm);
         let order: Vec<u32> = (0..2 * model.chords.ends.len() as u32).collect();
-        primitives.push(draft.primitive(&balances, &ends, &order, LINES, None));
+        meshes.push(draft.mesh(&balances, &ends, &order, LINES, None));
     }
     let times: Vec<f32> = balances
         .iter()
         .map(|(number, _)| time_ns(*number, count) as f32 * 1e-9)
         .collect();
-    let animation = draft.animation(&times);
-    let bytes = draft.bytes;
+    let animations = draft.animation(&times, meshes.len());
     let document = json!({
-        "asset": { "version": "2.0", "generator": concat!("coapt ", env!("CARGO_PKG_VERSION")), "copyright": crate::report::NOTICE },
+        "asset": { "version": "2.0", "generator": concat!("coapt ", env!("CARGO_PKG_VERSION")), "copyright": NOTICE },
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
-        "nodes": [{ "name": model.name, "mesh": 0, "scale": [1e-3, 1e-3, 1e-3] }],
-        "meshes": [{ "primitives": primitives, "weights": vec![0.0; balances.len() - 1] }],
-        "materials": [
-            { "name": "leaflets", "doubleSided": true, "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.7 } },
-            { "name": "chordae", "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.45, 0.4, 1.0], "metallicFactor": 0.0 } },
-        ],
-        "animations": animation,
-        "buffers": [{ "byteLength": bytes.len() }],
+        "nodes": nodes(&model.name, meshes.len()),
+        "meshes": meshes,
+        "materials": materials(),
+        "animations": animations,
+        "buffers": [{ "byteLength": draft.bytes.len() }],
         "bufferViews": draft.views,
         "accessors": draft.accessors,
     });
-    assembled(document.to_string().into_bytes(), bytes)
+    assembled(document.to_string().into_bytes(), draft.bytes)
+}
+
+/// One for all, and below it one for each mesh: VTK mixes up two parts of one mesh that move.
+fn nodes(name: &str, meshes: usize) -> Vec<Value> {
+    let children: Vec<usize> = (1..=meshes).collect();
+    let all = json!({ "name": name, "children": children, "scale": [1e-3, 1e-3, 1e-3] });
+    let each = (0..meshes).map(|mesh| json!({ "mesh": mesh }));
+    [all].into_iter().chain(each).collect()
+}
+
+/// Of leaflets, which have colours of their own, and of chordae.
+fn materials() -> Value {
+    json!([
+        { "name": "leaflets", "doubleSided": true, "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.7 } },
+        { "name": "chordae", "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.45, 0.4, 1.0], "metallicFactor": 0.0 } },
+    ])
 }
 
 /// Two points for each segment.
@@ -119,7 +132,7 @@ struct Draft {
 
 impl Draft {
     /// A mesh as in its first balance, with the way to each other one.
-    fn primitive(
+    fn mesh(
         &mut self,
         balances: &[(usize, &Frame)],
         points: &dyn Fn(&Frame) -> Vec<Vec3>,
@@ -149,16 +162,19 @@ impl Draft {
             "bufferView": view, "componentType": UNSIGNED, "count": indices.len(), "type": "SCALAR"
         }));
         json!({
-            "attributes": attributes,
-            "targets": targets,
-            "indices": indices,
-            "mode": mode,
-            "material": usize::from(mode == LINES),
+            "primitives": [{
+                "attributes": attributes,
+                "targets": targets,
+                "indices": indices,
+                "mode": mode,
+                "material": usize::from(mode == LINES),
+            }],
+            "weights": vec![0.0; balances.len() - 1],
         })
     }
 
     /// Each balance in its turn; one alone does not move.
-    fn animation(&mut self, times: &[f32]) -> Vec<Value> {
+    fn animation(&mut self, times: &[f32], meshes: usize) -> Vec<Value> {
         if times.len() < 2 {
             return Vec::new();
         }
@@ -170,10 +186,12 @@ impl Draft {
             self.floats(&times, "SCALAR", None),
             self.floats(&weights, "SCALAR", None),
         );
+        let channels =
+            (1..=meshes).map(|node| json!({ "sampler": 0, "target": { "node": node, "path": "weights" } }));
         vec![json!({
             "name": "closing",
             "samplers": [{ "input": input, "output": output, "interpolation": "LINEAR" }],
-            "channels": [{ "sampler": 0, "target": { "node": 0, "path": "weights" } }],
+            "channels": channels.collect::<Vec<_>>(),
         })]
     }
 

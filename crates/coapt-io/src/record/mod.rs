@@ -157,6 +157,34 @@ fn write_films(container: &mut Container, case: &str, films: &[(&str, Filmed)]) 
         .map(|(_, filmed)| filmed.film.frames.len())
         .max()
         .unwrap_or(0);
+    tell_facts(container, case, frames, films)?;
+    let reels = reels(container, films)?;
+    for reel in &reels {
+        container.message(reel.supports, 0, &reel.supports_message())?;
+    }
+    // Some at a time: pictures of all frames of a large valve need not be in memory at once.
+    for some in (0..frames).collect::<Vec<_>>().chunks(FRAMES_AT_A_TIME) {
+        let draw = |&number: &usize| reels.iter().map(|reel| reel.frame(number)).collect();
+        let drawn: Vec<Vec<Option<Pictured>>> = some.par_iter().map(draw).collect();
+        for (&number, pictures) in some.iter().zip(&drawn) {
+            let time_ns = time_ns(number, frames);
+            for (reel, pictured) in reels.iter().zip(pictures) {
+                let Some(pictured) = pictured else { continue };
+                container.message(reel.valve, time_ns, &pictured.valve)?;
+                container.message(reel.figures, time_ns, &pictured.figures)?;
+            }
+            container.end_frame()?;
+        }
+    }
+    Ok(())
+}
+
+fn tell_facts(
+    container: &mut Container,
+    case: &str,
+    frames: usize,
+    films: &[(&str, Filmed)],
+) -> container::Result<()> {
     let facts = [
         ("schema", RECORDING_SCHEMA),
         ("version", env!("CARGO_PKG_VERSION")),
@@ -171,45 +199,24 @@ fn write_films(container: &mut Container, case: &str, films: &[(&str, Filmed)]) 
             container.tell(&name, words([("open_gap_mm", &*gap_mm.to_string())]))?;
         }
     }
+    Ok(())
+}
+
+fn reels<'a>(container: &mut Container, films: &[(&str, Filmed<'a>)]) -> container::Result<Vec<Reel<'a>>> {
     let scene = container.schema(schema::SCENE_UPDATE, "protobuf", &schema::scene_update())?;
-    let figures = container.schema(
-        schema::FIGURES,
-        "jsonschema",
-        schema::figures().to_string().as_bytes(),
-    )?;
-    let mut reels = Vec::new();
-    for (folder, filmed) in films {
+    let figures = schema::figures().to_string();
+    let figures = container.schema(schema::FIGURES, "jsonschema", figures.as_bytes())?;
+    let mut reel = |(folder, filmed): &(&str, Filmed<'a>)| {
         let mut channel =
             |schema_id, name, encoding| container.channel(schema_id, &format!("{folder}/{name}"), encoding);
-        reels.push(Reel {
+        Ok(Reel {
             filmed: *filmed,
             valve: channel(scene, "valve", "protobuf")?,
             supports: channel(scene, "supports", "protobuf")?,
             figures: channel(figures, "figures", "json")?,
-        });
-    }
-    for reel in &reels {
-        container.message(reel.supports, 0, &reel.supports_message())?;
-    }
-    // Some at a time: pictures of all frames of a large valve need not be in memory at once.
-    for some in (0..frames).collect::<Vec<_>>().chunks(FRAMES_AT_A_TIME) {
-        let made = some
-            .par_iter()
-            .map(|&number| reels.iter().map(|reel| reel.frame(number)).collect());
-        let made: Vec<Vec<Option<Pictured>>> = made.collect();
-        for (number, pictures) in some.iter().zip(made) {
-            let time_ns = time_ns(*number, frames);
-            for (reel, pictured) in reels.iter().zip(pictures) {
-                let Some(Pictured { valve, figures }) = pictured else {
-                    continue;
-                };
-                container.message(reel.valve, time_ns, &valve)?;
-                container.message(reel.figures, time_ns, &figures)?;
-            }
-            container.end_frame()?;
-        }
-    }
-    Ok(())
+        })
+    };
+    films.iter().map(&mut reel).collect()
 }
 
 /// Frames that are drawn side by side.

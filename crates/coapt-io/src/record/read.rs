@@ -281,7 +281,7 @@ impl Found {
 
     /// The film of a topic, with the frames of which both parts are there.
     fn film(&mut self, topic: String) -> Told<RecordedFilm> {
-        let folder = topic.trim_end_matches(VALVE);
+        let folder = topic.strip_suffix(VALVE).unwrap_or_default();
         let supports = self
             .pictures
             .remove(&format!("{folder}{SUPPORTS}"))
