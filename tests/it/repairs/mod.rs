@@ -4,6 +4,7 @@ mod atlas;
 mod chordae;
 mod edge_to_edge;
 mod leaflets;
+mod mended;
 mod refused;
 mod rings;
 

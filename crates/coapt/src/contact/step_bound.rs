@@ -16,6 +16,11 @@ pub const GAP_FRACTION: f64 = 0.9;
 /// points by as much as the gap, and what separates them does so no more.
 pub(super) const LEAST_GAP_MM: f64 = 1e-5;
 
+/// Parts that are nearer than this do not move at all [mm]: the half that steps leave for rounding, which turns a separating plane
+/// by 1e-16 of the parts' size over the gap. At 1e6 mmHg, between edges of 20 and 30 mm, it took 1e-9 mm off a gap in each of
+/// thousands of steps, and the more the narrower the gap, until an edge had passed through. Nothing else comes so near.
+const HELD_GAP_MM: f64 = 0.5 * LEAST_GAP_MM;
+
 /// A step that may go this part of its way counts as allowed whole [1]: rounding alone must not shorten steps that have
 /// been shortened before. What it then uses of a gap beyond its share is far less than what is left.
 const SHORTENED_BELOW: f64 = 1.0 - 1e-6;
@@ -98,7 +103,7 @@ fn bound_pair(pair: &Pair, place: &Place, step_mm: &[Vec3], allowances: &mut [Al
     if 4.0 * longest_squared <= gap * gap {
         return;
     }
-    if distance == 0.0 {
+    if distance < HELD_GAP_MM {
         for (&vertex, &excess_mm) in pair.vertices.iter().zip(&steps) {
             allowances[vertex as usize] = Allowance { part: 0.0, excess_mm };
         }

@@ -10,11 +10,11 @@ use super::soft_chordae::{SOFT_MM, softened};
 use super::watch::Log;
 use crate::Vec3;
 use crate::coarsen::coarsen;
-use crate::contact::crossing::crossings;
+use crate::contact::tangle::tangles;
 use crate::model::Model;
 
 /// Leaflet vertices of the fine model per vertex of the coarse one [1]: edges twice as long. Where the carried-over shape
-/// crosses itself, which is chance, another coarse mesh is tried.
+/// crosses or touches itself, which is chance, another coarse mesh is tried.
 const VERTEX_RATIOS: [f64; 3] = [4.0, 3.0, 5.0];
 /// No level has fewer leaflet vertices than this. Below, leaflets are two or three triangles high and close elsewhere.
 const LEAST_VERTICES: usize = 60;
@@ -39,7 +39,8 @@ pub(super) fn begin(newton: &mut Newton, log: &mut Log) -> Option<Vec<Vec3>> {
         let Some(shape) = carried_over(newton.model, vertex_target, log) else {
             break;
         };
-        if crossings(&newton.surface, &shape).is_empty() {
+        // Not only crossings: parts that are nearer than steps ever let them come would not move.
+        if tangles(&newton.surface, &shape).is_empty() {
             return Some(shape);
         }
         tangled.get_or_insert(shape);

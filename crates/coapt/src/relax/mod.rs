@@ -131,17 +131,37 @@ fn relax_and_log(model: &Model, start: &State, mut log: Log) -> Equilibrium {
     let limit = model.settings.iteration_limit;
     newton.iteration_limit = limit.min(PATIENCE);
     let mut status = newton.iterate(&mut positions, &mut log);
-    let is_lost = matches!(status, Status::IterationLimit | Status::Stalled);
-    if is_lost && limit > PATIENCE && newton.residual(&newton.gradient).is_finite() {
-        raise_pressure(model, &mut positions, &mut log);
-        newton = Newton::new(model);
-        newton.iteration_limit = limit - PATIENCE;
-        status = newton.iterate(&mut positions, &mut log);
+    if is_lost(status) && limit > PATIENCE && newton.residual(&newton.gradient).is_finite() {
+        (newton, status) = begin_anew(model, limit - PATIENCE, &mut positions, &mut log);
     }
     Equilibrium {
         untangled,
         ..conclude(&mut newton, positions, status, log)
     }
+}
+
+fn is_lost(status: Status) -> bool {
+    matches!(status, Status::IterationLimit | Status::Stalled)
+}
+
+/// The last resorts: from little pressure to all of it, and from where that ended with the exact tangent, however far the balance.
+fn begin_anew<'a>(
+    model: &'a Model,
+    iteration_limit: u32,
+    positions: &mut Vec<Vec3>,
+    log: &mut Log,
+) -> (Newton<'a>, Status) {
+    raise_pressure(model, positions, log);
+    let mut newton = Newton::new(model);
+    newton.iteration_limit = iteration_limit;
+    let mut status = newton.iterate(positions, log);
+    if is_lost(status) {
+        newton = Newton::new(model);
+        newton.leaves_rounds = true;
+        newton.iteration_limit = iteration_limit.min(PATIENCE);
+        status = newton.iterate(positions, log);
+    }
+    (newton, status)
 }
 
 /// Closes many open valves, on as many threads as there are; the results are those of [`relax`], in the same order.

@@ -1,6 +1,12 @@
-//! What the fuzz targets share: places for files, and what must hold of whatever comes out.
+//! What the fuzz targets do with an input: `fuzz/` hands them those that libFuzzer makes, the test of seeds those that are kept.
+//!
+//! They stand here so that every build compiles them, though fuzzing itself wants another compiler.
 
-pub mod changes;
+mod changes;
+mod closure;
+mod mesh;
+mod scene;
+mod tables;
 
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
@@ -8,13 +14,23 @@ use std::path::{Path, PathBuf};
 use coapt::model::Model;
 use coapt::scene::{Fault, Severity};
 
+pub use closure::closure;
+pub use mesh::mesh;
+pub use scene::scene;
+pub use tables::tables;
+
 /// The folder of wrong inputs, with the good valve of 96 faces that they are made from.
-pub fn assets() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/bad")
+pub(crate) fn assets() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/bad")
+}
+
+/// The folder of seeds that are no files of other tests.
+pub fn seeds() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/seeds")
 }
 
 /// A scene of the good valve, with its meshes.
-pub fn good_scene() -> coapt::scene::Scene {
+pub(crate) fn good_scene() -> coapt::scene::Scene {
     let path = assets().join("parts/good.toml");
     coapt_io::scene::read_scene(&path)
         .expect("the good scene is good")
@@ -29,7 +45,7 @@ pub fn scratch() -> PathBuf {
 }
 
 /// Runs a reader and sees that it takes no more memory than `per_byte` times its input and some room of its own.
-pub fn within_memory<T>(bytes: &[u8], per_byte: u64, run: impl FnOnce() -> T) -> T {
+pub(crate) fn within_memory<T>(bytes: &[u8], per_byte: u64, run: impl FnOnce() -> T) -> T {
     let mut result = None;
     let taken = allocation_counter::measure(|| result = Some(run()));
     let most = (16 << 20) + per_byte * bytes.len() as u64;
@@ -48,7 +64,7 @@ const MOST_FAULTS: usize = 21;
 const MOST_LETTERS: usize = 2000;
 
 /// Faults are few, short, and have an error among them where nothing came out.
-pub fn check_faults(faults: &[Fault], refused: bool) {
+pub(crate) fn check_faults(faults: &[Fault], refused: bool) {
     let errors = faults
         .iter()
         .filter(|fault| fault.severity == Severity::Error)
@@ -67,7 +83,7 @@ pub fn check_faults(faults: &[Fault], refused: bool) {
 }
 
 /// Sees that no number in something is undefined or infinite. Names that people give must be taken out before.
-pub fn check_defined(what: &impl Debug) {
+pub(crate) fn check_defined(what: &impl Debug) {
     let text = format!("{what:?}");
     let is_name = |letter: char| letter.is_alphanumeric() || letter == '_';
     let mut words = text.split(|letter: char| !is_name(letter));
@@ -76,7 +92,7 @@ pub fn check_defined(what: &impl Debug) {
 }
 
 /// Sees that a model that was built keeps its promises: numbers are defined, indices lead somewhere.
-pub fn check_model(model: &Model) {
+pub(crate) fn check_model(model: &Model) {
     let mut unnamed = model.clone();
     unnamed.name.clear();
     unnamed.chord_groups.clear();

@@ -9,7 +9,7 @@ type Part = i16;
 
 /// One thing that is made different in a scene. Numbers choose among what there is, whatever they are.
 #[derive(Arbitrary, Debug)]
-pub enum Change {
+pub(crate) enum Change {
     Point {
         leaflet: u8,
         point: u8,
@@ -68,7 +68,7 @@ pub enum Change {
 }
 
 /// Makes a change.
-pub fn make(scene: &mut Scene, change: &Change) {
+pub(crate) fn make(scene: &mut Scene, change: &Change) {
     match *change {
         Change::Point {
             leaflet,
