@@ -2,14 +2,16 @@
 
     python python/tools/overhead.py
 
-Prints medians [ms] of what a caller waits, of what of that the library itself took (to lay the ring and close the valve), and of the rest, with the
-least of it: what a machine does that nobody else uses.
+Prints medians [ms] of what a caller waits, of what of that the library itself took (to lay the ring and close the valve), and of the
+rest, with the least of it: what a machine does that nobody else uses. Then how much longer two threads wait for two valves than one
+for one.
 """
 
 from __future__ import annotations
 
 import statistics
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import coapt
 
@@ -28,7 +30,18 @@ def main() -> None:
     tell("repair alone", [(timed_alone(lambda ring=ring: valve.with_repair(ring)), 0.0) for ring in rings])
     again = [fresh(closed) for _ in range(CLOSURES)]
     tell("positions, first asked for", [(timed_alone(lambda it=it: it.positions_mm), 0.0) for it in again])
+    two_threads(valve)
     tell("measures, first asked for", [(timed_alone(lambda it=it: it.measures), 0.0) for it in again])
+
+
+def two_threads(valve) -> None:
+    """Rounds of one closure and of two at once, in turn, so that both meet the same machine."""
+    ratios = []
+    with ThreadPoolExecutor(2) as threads:
+        for _ in range(CLOSURES):
+            alone = timed_alone(valve.close)
+            ratios.append(timed_alone(lambda: list(threads.map(lambda _: valve.close(), range(2)))) / alone)
+    print(f"two threads, two valves: {statistics.median(ratios):.2f} times one alone, at least {min(ratios):.2f}")
 
 
 def timed(work) -> tuple[float, float]:
