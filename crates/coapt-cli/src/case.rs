@@ -100,9 +100,9 @@ impl Source {
         match self {
             Self::File(path, text) => located(&path.display().to_string(), text, fault),
             Self::Preset(preset) => Fault {
-                severity: fault.severity,
                 place: preset.name().to_owned(),
                 message: sentence(fault),
+                ..fault.clone()
             },
         }
     }

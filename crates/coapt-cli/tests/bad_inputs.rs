@@ -60,8 +60,7 @@ fn checked(case: &str) -> (Option<i32>, Vec<(Severity, String)>) {
             severity,
             coapt_io::scene::sentence(&coapt::scene::Fault {
                 severity,
-                place: text("place"),
-                message: text("message"),
+                ..coapt::scene::Fault::error(text("place"), text("message"))
             }),
         )
     };

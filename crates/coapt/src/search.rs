@@ -55,6 +55,16 @@ pub struct Found {
     pub tried: Vec<Tried>,
 }
 
+impl Found {
+    /// The gentlest value beyond the answer, among those tried, that does not reach the goal of at least so much.
+    pub fn lost_again(&self, at_least: f64) -> Option<Tried> {
+        let answer = self.answer?;
+        let beyond = self.tried.iter().skip_while(|tried| tried.value != answer.value);
+        let reaches = |tried: &Tried| tried.certified && tried.measured >= at_least;
+        beyond.copied().find(|tried| !reaches(tried))
+    }
+}
+
 /// A value of the parameter and the valve closed with it.
 struct Attempt {
     value: f64,

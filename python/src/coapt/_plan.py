@@ -45,8 +45,8 @@ class PlanResult(Result[_core.Plan]):
 
     @property
     def alternatives(self) -> tuple[dict[str, Json], ...]:
-        """Each alternative as ``plan.json`` tells it: ranked ones first, the best first; then what closed without a
-        certificate; then what could not be carried out."""
+        """Each alternative as ``plan.json`` tells it: ranked ones first, the best first; then what only takes chordae away;
+        then what closed without a certificate; then what could not be carried out."""
         return tuple(cast("list[dict[str, Json]]", self.to_dict()["alternatives"]))
 
     @property
@@ -85,7 +85,7 @@ def plan(
     Raises
     ------
     InputError
-        A plan that cannot be read; alternatives none of which can be carried out.
+        A plan that cannot be read; alternatives that are wrong in themselves; none that can be carried out.
     KeyboardInterrupt
         Within 0.2 s of Ctrl-C.
 

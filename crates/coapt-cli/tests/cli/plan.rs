@@ -20,15 +20,21 @@ fn alternatives_are_compared_in_one_table_and_its_files() {
     let rings = plan(
         &folder,
         "plan.toml",
-        &format!("{RING}size_mm = {{ from = 28, to = 32, step = 2 }}\n{RING}size_mm = 10\n"),
+        &format!(
+            "{RING}size_mm = {{ from = 28, to = 32, step = 2 }}\n[[alternative]]\n[[alternative.repair]]\nkind = \"clip\"\n\
+             position = 0.02\n"
+        ),
     );
     let out = folder.path("out");
     let output = coapt(&["plan", &valve, &rings, "--out", &out, "--shapes"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
-    assert!(text.contains(": 4 alternatives compared at 100 mmHg"), "{text}");
     assert!(
-        text.contains("FAILED: ") && text.contains("plan.toml:12: alternative[1].repair[0].size_mm"),
+        text.contains(", plan \"rings\": 4 alternatives compared at 100 mmHg"),
+        "{text}"
+    );
+    assert!(
+        text.contains("REFUSED: ") && text.contains("plan.toml:11: alternative[1].repair[0].position"),
         "{text}"
     );
     assert!(text.ends_with("research use, not a medical device\n"), "{text}");
@@ -187,6 +193,28 @@ fn wrong_plans_are_status_2_with_their_lines() {
         assert!(stderr(&output).contains(told), "{name}: {}", stderr(&output));
         assert!(stdout(&output).is_empty());
     }
+    // All that is wrong is told, of each alternative, before anything is closed; what does not fit is no fault of the plan.
+    let clips =
+        "[[alternative]]\n[[alternative.repair]]\nkind = \"clip\"\nposition = [0.02, 1.5]\nangle_deg = 60\n";
+    let some = plan(
+        &folder,
+        "some.toml",
+        &format!("{RING}size_mm = [28, 10]\n{clips}"),
+    );
+    let output = coapt(&["plan", "dilated", &some]);
+    assert_eq!(output.status.code(), Some(2), "{}", stdout(&output));
+    let told = stderr(&output);
+    for words in [
+        "some.toml:7: alternative[0].repair[0].size_mm",
+        "some.toml:11: alternative[1].repair[0].position is 1.5, expected 0",
+        "some.toml:12: alternative[1].repair[0].angle_deg is 60, expected -45 to 45",
+    ] {
+        assert_eq!(told.matches(words).count(), 1, "{words}: {told}");
+    }
+    assert!(
+        !told.contains("commissure;") && !told.contains("closures"),
+        "{told}"
+    );
     let two = plan(&folder, "two.toml", &format!("{RING}size_mm = [28, 30]\n"));
     let output = coapt(&["closure", "dilated", "--plan", &two]);
     assert_eq!(output.status.code(), Some(2));
@@ -301,6 +329,22 @@ fn a_search_for_what_is_not_measured_is_status_2_with_its_line() {
     assert!(
         stderr(&output)
             .contains("plan.toml:14: search.measure is `coaptation/length`, which is not measured"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+/// The ends of a range are told by their own keys.
+#[test]
+fn a_search_from_where_no_repair_is_names_the_end() {
+    let folder = Folder::new("plan-search-ends");
+    let goal = "[search]\nalternative = 0\nkey = \"size_mm\"\nfrom = 0\nto = 24\ntolerance = 0.1\nmeasure = \"orifice\"\nat_most = 8\n";
+    let file = plan(&folder, "plan.toml", &format!("{RING}size_mm = 30\n{goal}"));
+    let output = coapt(&["plan", "dilated", &file]);
+    assert_eq!(output.status.code(), Some(2), "{}", stdout(&output));
+    assert!(
+        stderr(&output)
+            .contains("plan.toml:11: search.from is 0, at which alternative[0].repair[0].size_mm: 0 mm is"),
         "{}",
         stderr(&output)
     );

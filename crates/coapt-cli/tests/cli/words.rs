@@ -95,6 +95,7 @@ fn a_wrong_setting_says_what_it_is_and_what_is_expected() {
         ),
         // Edges of the usual number of faces are some millimetre long.
         ("jitter_mm=3", "jitter_mm is 3; expected a number from 0 to 0."),
+        ("jitter_mm=-1", "jitter_mm is -1; expected a number from 0 to 0."),
         ("faces=many", "is `many`, expected a whole number, 0 or above"),
         (
             "annulus.transverse_mm=nan",

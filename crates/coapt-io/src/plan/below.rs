@@ -8,8 +8,8 @@ use coapt::plan::ensemble::SEALED_BELOW_MM2;
 use super::{Closed, Open, Rate, Sampled, Sensitivities};
 use crate::report::{number, reasons, wrapped};
 
-/// All lines of a closed valve, each begun with `indent` blanks.
-pub(super) fn lines(out: &mut String, indent: usize, closed: &Closed) {
+/// All lines of a closed valve, each begun with `indent` blanks; `before` is the valve as it is, for one after repair.
+pub(super) fn lines(out: &mut String, indent: usize, closed: &Closed, before: Option<&Closed>) {
     let start = " ".repeat(indent);
     let mut line = |text: String| wrapped(out, &start, &text);
     if closed.solve.certified && closed.measures.orifice.area_mm2 >= SEALED_BELOW_MM2 {
@@ -24,7 +24,7 @@ pub(super) fn lines(out: &mut String, indent: usize, closed: &Closed) {
         .diastole
         .as_ref()
         .into_iter()
-        .for_each(|it| line(of_open(it)));
+        .for_each(|it| line(of_open(it, before.and_then(|before| before.diastole.as_ref()))));
     if let Some(sampled) = &closed.uncertainty {
         of_sampled(sampled).into_iter().for_each(&mut line);
     }
@@ -33,8 +33,8 @@ pub(super) fn lines(out: &mut String, indent: usize, closed: &Closed) {
     }
 }
 
-fn of_open(open: &Open) -> String {
-    let (Some(openings), Some(_)) = (&open.openings_mm2, open.area_mm2) else {
+fn of_open(open: &Open, before: Option<&Open>) -> String {
+    let (Some(openings), Some(area_mm2)) = (&open.openings_mm2, open.area_mm2) else {
         let reasons = reasons(open.status, open.stable, open.crossings);
         return format!("open valve NOT CERTIFIED: {reasons}");
     };
@@ -47,7 +47,16 @@ fn of_open(open: &Open) -> String {
     let gradient = open.mean_gradient_mmhg.map_or(String::new(), |mmhg| {
         format!("; mean gradient at most {} mmHg", number(mmhg, 1))
     });
-    format!("open without pressure: {openings}{gradient}")
+    let left = match before.and_then(|before| before.area_mm2) {
+        Some(before_mm2) if before_mm2 > 0.0 => {
+            format!(
+                "; {} % of what opened before",
+                number(100.0 * area_mm2 / before_mm2, 0)
+            )
+        }
+        _ => String::new(),
+    };
+    format!("open without pressure: {openings}{left}{gradient}")
 }
 
 /// How a criterion is called and written: name, unit as shown, what its value is multiplied by for that, digits.

@@ -1,7 +1,7 @@
 //! Carrying a plan out: the search, the alternatives, the ensembles, the rates, each where it is asked for.
 
 use coapt::model::Model;
-use coapt::plan::{Comparison, Progress, Row, Settings, Watch, compare_watched, summaries};
+use coapt::plan::{Comparison, Progress, Row, Settings, Watch, compare_watched, summaries, wrong_input};
 use coapt::scene::Fault;
 use rayon::prelude::*;
 
@@ -25,7 +25,8 @@ pub type OnStage<'a> = &'a dyn Fn(Stage, &mut dyn FnMut(Watch));
 /// Does all that a plan asks for. `keep_shapes`: whether the comparison holds closed shapes.
 ///
 /// # Errors
-/// A search that cannot be made; why no alternative can be carried out, the same fault of several alternatives once.
+/// What is wrong with alternatives in themselves, of all of them, before anything is closed; a search that cannot be made; why this
+/// valve's shape allows no alternative. The same fault of several alternatives is told once.
 pub fn carry_out(
     model: &Model,
     file: PlanFile,
@@ -34,6 +35,10 @@ pub fn carry_out(
     warnings: &[Fault],
     on_stage: OnStage,
 ) -> Result<(PlanReport, Comparison), Vec<Fault>> {
+    let wrong = wrong_inputs(model, file, plan);
+    if !wrong.is_empty() {
+        return Err(wrong);
+    }
     let asked = &plan.asked;
     // First: it may be refused.
     let search = match &asked.search {
@@ -109,24 +114,52 @@ fn forget_shapes(comparison: &mut Comparison) {
     }
 }
 
-/// Why none could be carried out; the same fault of several alternatives once.
+/// What is wrong with alternatives in themselves.
+fn wrong_inputs(model: &Model, file: PlanFile, plan: &Alternatives) -> Vec<Fault> {
+    let repairs = plan
+        .alternatives
+        .par_iter()
+        .map(|alternative| &alternative.repairs);
+    let wrong: Vec<_> = repairs.map(|repairs| wrong_input(model, repairs)).collect();
+    let keyed = wrong.iter().zip(&plan.keys).flat_map(|(wrong, keys)| {
+        let of = wrong.iter();
+        of.map(|(number, fault)| (keys[*number].as_str(), fault))
+    });
+    told_once(file, keyed)
+}
+
+/// Why none could be carried out.
 fn all_faults(file: PlanFile, plan: &Alternatives, comparison: &Comparison) -> Vec<Fault> {
-    let mut faults: Vec<Fault> = Vec::new();
-    for row in &comparison.rows {
-        let Err(refusal) = &row.result else { continue };
-        let key = &plan.keys[row.alternative][refusal.repair];
-        for fault in &refusal.faults {
-            let fault = located(file.name, file.text, &in_plan(key, fault));
-            if faults.len() == MOST_FAULTS {
-                faults.push(Fault::error(file.name, "and more like these"));
-                return faults;
-            }
-            if !faults.contains(&fault) {
-                faults.push(fault);
-            }
+    let refused = comparison.rows.iter().filter_map(|row| {
+        let refusal = row.result.as_ref().err()?;
+        Some((&plan.keys[row.alternative][refusal.repair], refusal))
+    });
+    let keyed = refused.flat_map(|(key, refusal)| {
+        let faults = refusal.faults.iter();
+        faults.map(move |fault| (key.as_str(), fault))
+    });
+    told_once(file, keyed)
+}
+
+/// Faults with the keys of their repairs, each with its line and told once.
+fn told_once<'a>(file: PlanFile, faults: impl Iterator<Item = (&'a str, &'a Fault)>) -> Vec<Fault> {
+    let mut told: Vec<Fault> = Vec::new();
+    for (key, fault) in faults {
+        let fault = in_plan(key, fault);
+        if told.contains(&fault) {
+            continue;
         }
+        if told.len() == MOST_FAULTS {
+            told.push(Fault::error(file.name, "and more like these"));
+            break;
+        }
+        told.push(fault);
     }
-    faults
+    let line = |fault: &Fault| match fault.place == file.name {
+        true => fault.clone(),
+        false => located(file.name, file.text, fault),
+    };
+    told.iter().map(line).collect()
 }
 
 /// As many as of any other file.

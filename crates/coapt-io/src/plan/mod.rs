@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 
 use coapt::measure::{Measures, ValveFrame, valve_frame};
 use coapt::model::Model;
-use coapt::plan::{Comparison, Criterion, Outcome};
+use coapt::plan::{Alternative, Comparison, Criterion, Outcome};
 use coapt::relax::Status;
 use coapt::scene::{Fault, MMHG_MPA, Repair};
 use serde::Serialize;
@@ -63,12 +63,14 @@ pub struct PlanReport {
     pub ranking: Vec<Ranking>,
     /// The valve without any repair.
     pub before: Closed,
-    /// Ranked ones first, the best first; then what closed without a certificate; then what could not be carried out.
+    /// Ranked ones first, the best first; then certified ones that are no repair; then what closed without a certificate; then what
+    /// could not be carried out.
     pub alternatives: Vec<Row>,
     /// What was sought and found; absent where nothing was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub search: Option<SearchReport>,
-    /// Published anatomic limits that the valve as it is can be held against. They are information: nothing follows from them here.
+    /// Published anatomic limits for repairs of this plan that the valve as it is can be held against. They are information: nothing
+    /// follows from them here.
     pub anatomic_limits: Vec<AnatomicLimit>,
     /// Repairs of the input, guesses and doubts.
     pub warnings: Vec<String>,
@@ -91,7 +93,10 @@ pub struct AnatomicLimit {
 
 /// The limits whose measures mean what ours do: coaptation length at A2-P2. Not among them: coaptation depth, flail gap and width,
 /// which are taken in echo sections that our measures do not cut, and the mitral valve area, which is that of an open valve in flow.
-fn anatomic_limits(before: &Measures) -> Vec<AnatomicLimit> {
+fn anatomic_limits(plan: &Alternatives, before: &Measures) -> Vec<AnatomicLimit> {
+    if !plan.alternatives.iter().any(Alternative::joins_edges) {
+        return Vec::new();
+    }
     vec![AnatomicLimit {
         repair: "edge-to-edge",
         measure: "coaptation.length_a2p2_mm",
@@ -108,15 +113,17 @@ pub struct Ranking {
     pub criterion: Criterion,
     /// Values are compared in bins so wide, in `unit`.
     pub bin: f64,
-    /// Unit of value and bin.
+    /// Unit of the bin: that of the value, or `halvings`.
     pub unit: &'static str,
 }
 
 /// One alternative.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Its place; shared by those that no criterion tells apart; absent without a certificate.
+    /// Its place; shared by those that no criterion tells apart; absent without a certificate, nor where it is no repair.
     pub rank: Option<usize>,
+    /// Whether nothing is done but to tear or cut chordae: what if, and no repair.
+    pub only_takes_chordae: bool,
     /// Its number in the order of the plan, from 1.
     pub number: usize,
     /// What it is called.
@@ -225,7 +232,7 @@ impl PlanReport {
             before: closed(&comparison.before),
             alternatives: rows.collect(),
             search: None,
-            anatomic_limits: anatomic_limits(&comparison.before.measures),
+            anatomic_limits: anatomic_limits(plan, &comparison.before.measures),
             warnings: warnings.iter().map(sentence).collect(),
         }
     }
@@ -260,11 +267,8 @@ fn frame(model: &Model, comparison: &Comparison) -> Option<ValveFrame> {
 }
 
 fn ranking(criterion: Criterion) -> Ranking {
-    Ranking {
-        criterion,
-        bin: criterion.noise(),
-        unit: criterion.unit(),
-    }
+    let (bin, unit) = criterion.bin_width();
+    Ranking { criterion, bin, unit }
 }
 
 fn row(row: &coapt::plan::Row, plan: &Alternatives, lines: &mut Lines) -> Row {
@@ -287,6 +291,7 @@ fn row(row: &coapt::plan::Row, plan: &Alternatives, lines: &mut Lines) -> Row {
     };
     Row {
         rank: row.rank,
+        only_takes_chordae: row.only_takes_chordae,
         number: row.alternative + 1,
         name: alternative.name.clone(),
         repairs: alternative.repairs.clone(),

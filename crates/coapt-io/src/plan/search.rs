@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::in_plan;
 use super::table::numbers;
 use crate::report::{line, number};
-use crate::scene::{Bound, Search, nearest, with_number};
+use crate::scene::{Bound, Search, nearest, sentence as said, with_number};
 
 /// What was sought and what was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -39,6 +39,9 @@ pub struct SearchReport {
     pub at_most: Option<f64>,
     /// The gentlest value found that reaches the goal, with a certificate; none where no value tried does.
     pub answer: Option<Tried>,
+    /// The gentlest value beyond the answer, among those tried, at which the goal is lost again; absent where it is kept to the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost_again: Option<Tried>,
     /// The repairs with the answer; empty where there is none.
     pub repairs: Vec<Repair>,
     /// All values tried, from the gentlest to the most drastic.
@@ -65,6 +68,7 @@ pub fn found(
     watch: &(dyn Fn(&Moment) -> ControlFlow<()> + Sync),
 ) -> Result<SearchReport, Vec<Fault>> {
     check(model, search).map_err(|fault| vec![fault])?;
+    check_ends(model, search)?;
     let (sign, least) = match search.bound {
         Bound::AtLeast(least) => (1.0, least),
         Bound::AtMost(most) => (-1.0, -most),
@@ -82,6 +86,7 @@ pub fn found(
         ..tried
     };
     let answer = found.answer.map(signed);
+    let lost_again = found.lost_again(least).map(signed);
     Ok(SearchReport {
         place: search.place.clone(),
         key: search.key.clone(),
@@ -96,6 +101,7 @@ pub fn found(
             None => Vec::new(),
         },
         answer,
+        lost_again,
         tried: found.tried.into_iter().map(signed).collect(),
     })
 }
@@ -119,6 +125,24 @@ fn check(model: &Model, search: &Search) -> Result<(), Fault> {
         "search.measure",
         format!("is `{}`, which is not measured; {hint}", search.measure),
     ))
+}
+
+/// Whether the repairs can be carried out at both ends of the range, which are told by their own keys: else one of the values between
+/// would be blamed, which nobody wrote.
+fn check_ends(model: &Model, search: &Search) -> Result<(), Vec<Fault>> {
+    let mut wrong = Vec::new();
+    for (key, value) in [("search.from", search.from), ("search.to", search.to)] {
+        let refused = match apply_all(model, &repairs_at(search, value)?) {
+            Ok(_) => continue,
+            Err(refusal) => refusal,
+        };
+        let place = &search.places[refused.repair];
+        let faults = refused.faults.iter();
+        let told: Vec<String> = faults.map(|fault| said(&in_plan(place, fault))).collect();
+        let message = format!("is {value}, at which {}", told.join("; "));
+        wrong.push(Fault::error(key, message));
+    }
+    if wrong.is_empty() { Ok(()) } else { Err(wrong) }
 }
 
 fn repairs_at(search: &Search, value: f64) -> Result<Vec<Repair>, Vec<Fault>> {
@@ -210,8 +234,20 @@ fn sentence(report: &SearchReport) -> String {
             shown(tried.value)
         ),
     };
+    let lost = match report.lost_again {
+        None => String::new(),
+        Some(tried) if tried.certified => format!(
+            "; beyond it the goal is lost again: {} gives {}",
+            shown(tried.value),
+            shown(tried.measured)
+        ),
+        Some(tried) => format!(
+            "; beyond it the goal is lost again: {} did not close with a certificate",
+            shown(tried.value)
+        ),
+    };
     format!(
-        "the first {range} that gives {goal} is {}: it gives {}, certified{short}",
+        "the first {range} that gives {goal} is {}: it gives {}, certified{short}{lost}",
         shown(answer.value),
         shown(answer.measured)
     )

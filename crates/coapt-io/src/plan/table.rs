@@ -5,41 +5,42 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use super::text::doubt;
-use super::{Closed, PlanReport};
+use super::text::{TAKES_CHORDAE, doubt};
+use super::{Closed, PlanReport, Row};
 use crate::study::status_name;
 
 const COLUMNS: &str = "number,rank,name,certified,status,reason,residual,iterations,crossings,max_penetration_mm,\
                        discretisation_mm,begun_at";
 
 /// A line per alternative, the best first, after one of number 0 for the valve as it is; columns with their names in the first
-/// line. A measure is called by its path in `plan.json`; what an alternative lacks is empty.
+/// line: what tells the alternatives apart, as `ring.size_mm`, then measures by their paths in `plan.json`. What an alternative lacks
+/// is empty.
 pub fn csv(report: &PlanReport) -> String {
-    let before = (0, None, "before", Some(&report.before), &[][..]);
+    let before = (0, None, "before", Some(&report.before), None);
     let rows = report.alternatives.iter().map(|row| {
-        (
-            row.number,
-            row.rank,
-            row.name.as_str(),
-            row.closed.as_ref(),
-            &row.faults[..],
-        )
+        let name = row.name.as_str();
+        (row.number, row.rank, name, row.closed.as_ref(), Some(row))
     });
     let rows: Vec<_> = std::iter::once(before).chain(rows).collect();
+    let repairs = parameters(report);
     let measures: Vec<BTreeMap<String, f64>> =
         rows.iter().map(|(_, _, _, closed, _)| flat(*closed)).collect();
     let names: BTreeSet<&String> = measures.iter().flat_map(BTreeMap::keys).collect();
     let mut out = COLUMNS.to_owned();
-    for name in &names {
+    for name in repairs.keys().chain(names.iter().copied()) {
         out.push(',');
         out += &quoted(name);
     }
     out.push('\n');
-    for ((number, rank, name, closed, faults), measures) in rows.iter().zip(&measures) {
+    for (index, ((number, rank, name, closed, row), measures)) in rows.iter().zip(&measures).enumerate() {
         let rank = rank.map_or(String::new(), |rank| rank.to_string());
         // Writing to a string cannot fail.
         let _ = write!(out, "{number},{rank},{},", quoted(name));
-        out += &trust(*closed, faults);
+        out += &trust(*closed, *row);
+        for values in repairs.values() {
+            let value = index.checked_sub(1).and_then(|index| values[index].as_deref());
+            let _ = write!(out, ",{}", quoted(value.unwrap_or_default()));
+        }
         for name in &names {
             out.push(',');
             if let Some(value) = measures.get(*name) {
@@ -51,15 +52,76 @@ pub fn csv(report: &PlanReport) -> String {
     out
 }
 
-fn trust(closed: Option<&Closed>, faults: &[String]) -> String {
+/// The keys of repairs that differ between the alternatives, each with its value in each row; a key that a row lacks differs too.
+/// The second repair of a kind in a row is called by its number: `clip.2.position`.
+fn parameters(report: &PlanReport) -> BTreeMap<String, Vec<Option<String>>> {
+    let count = report.alternatives.len();
+    let mut columns: BTreeMap<String, Vec<Option<String>>> = BTreeMap::new();
+    for (index, row) in report.alternatives.iter().enumerate() {
+        let mut of_kind: BTreeMap<String, usize> = BTreeMap::new();
+        for repair in &row.repairs {
+            let Ok(Value::Object(mut keys)) = serde_json::to_value(repair) else {
+                continue;
+            };
+            let kind = keys.remove("kind").map(|kind| cell(&kind)).unwrap_or_default();
+            let number = of_kind.entry(kind.clone()).or_default();
+            *number += 1;
+            let start = match *number {
+                1 => kind,
+                number => format!("{kind}.{number}"),
+            };
+            for (path, value) in scalars(&start, &keys.into()) {
+                columns.entry(path).or_insert_with(|| vec![None; count])[index] = Some(value);
+            }
+        }
+    }
+    columns.retain(|_, values| values.windows(2).any(|pair| pair[0] != pair[1]));
+    columns
+}
+
+/// Coordinates at most: a longer list is a curve, and no cells.
+const LONGEST_LIST: usize = 3;
+
+/// Numbers, words and switches in a value, each by its path.
+fn scalars(path: &str, value: &Value) -> Vec<(String, String)> {
+    let inside = |name: &str, value: &Value| scalars(&format!("{path}.{name}"), value);
+    match value {
+        Value::Object(entries) => entries
+            .iter()
+            .flat_map(|(name, value)| inside(name, value))
+            .collect(),
+        Value::Array(items) if items.len() > LONGEST_LIST => Vec::new(),
+        Value::Array(items) => {
+            let numbered = items.iter().enumerate();
+            numbered
+                .flat_map(|(number, item)| inside(&number.to_string(), item))
+                .collect()
+        }
+        Value::Null => Vec::new(),
+        scalar => vec![(path.to_owned(), cell(scalar))],
+    }
+}
+
+fn cell(value: &Value) -> String {
+    match value {
+        Value::String(word) => word.clone(),
+        other => other.to_string(),
+    }
+}
+
+fn trust(closed: Option<&Closed>, row: Option<&Row>) -> String {
     let Some(Closed { solve, .. }) = closed else {
-        return format!("false,refused,{},,,,,,", quoted(&faults.join("; ")));
+        let faults = row.map(|row| row.faults.join("; ")).unwrap_or_default();
+        return format!("false,refused,{},,,,,,", quoted(&faults));
     };
+    let no_repair = row
+        .filter(|row| row.only_takes_chordae)
+        .map(|_| TAKES_CHORDAE.to_owned());
     format!(
         "{},{},{},{:e},{},{},{},{},{}",
         solve.certified,
         status_name(solve.status),
-        quoted(&doubt(solve).unwrap_or_default()),
+        quoted(&doubt(solve).or(no_repair).unwrap_or_default()),
         solve.residual,
         solve.iterations,
         solve.crossings,

@@ -23,8 +23,9 @@ pub fn text(report: &PlanReport) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(
         out,
-        "{}: {} compared at {:.0} mmHg (coapt {})",
+        "{}{}: {} compared at {:.0} mmHg (coapt {})",
         report.case,
+        named(&report.plan),
         counted(count, "alternative"),
         report.pressure_mmhg,
         report.version
@@ -58,6 +59,14 @@ pub fn text(report: &PlanReport) -> String {
     out
 }
 
+/// How the plan is called, on one line whatever it is; nothing where it has no name.
+fn named(plan: &str) -> String {
+    match plan {
+        "" => String::new(),
+        _ => format!(", plan \"{}\"", plan.replace(char::is_control, " ")),
+    }
+}
+
 fn counted(count: usize, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),
@@ -78,7 +87,7 @@ fn ranking(criteria: &[Ranking]) -> String {
             Criterion::ChordForce => format!("largest chord tension in steps of {bin} N"),
             Criterion::Strain => format!("strain in steps of {:.0} %", 100.0 * bin),
             Criterion::DiastolicOrifice => format!(
-                "open orifice, as far as it is below {DIASTOLIC_TARGET_MM2} mm², in steps of {bin} mm²"
+                "open orifice, by how often it is halved from {DIASTOLIC_TARGET_MM2} mm²"
             ),
         }
     });
@@ -132,15 +141,23 @@ fn heads(out: &mut String, columns: &[Column]) {
 
 fn told(out: &mut String, columns: &[Column], row: &Row, before: &Closed) {
     match &row.closed {
-        Some(closed) => values(out, columns, (row.rank, &row.name), closed, Some(before)),
+        Some(closed) => {
+            values(out, columns, (row.rank, &row.name), closed, Some(before));
+            if row.only_takes_chordae {
+                wrapped(out, &format!("{:RANK$}  NO REPAIR: ", ""), TAKES_CHORDAE);
+            }
+        }
         None => {
             let _ = writeln!(out, "{:>RANK$}  {}", "-", row.name);
             for fault in &row.faults {
-                wrapped(out, &format!("{:RANK$}  FAILED: ", ""), fault);
+                wrapped(out, &format!("{:RANK$}  REFUSED: ", ""), fault);
             }
         }
     }
 }
+
+/// Why what only tears or cuts chordae has no rank.
+pub(super) const TAKES_CHORDAE: &str = "it only takes chordae away";
 
 fn values(
     out: &mut String,
@@ -174,7 +191,7 @@ fn values(
     if let Some(reasons) = doubt(&closed.solve) {
         wrapped(out, &format!("{:RANK$}  NOT CERTIFIED: ", ""), &reasons);
     }
-    below::lines(out, RANK + 2, closed);
+    below::lines(out, RANK + 2, closed, before);
 }
 
 /// What figures must not be taken for, and published limits beside them.
@@ -182,7 +199,8 @@ fn notes(out: &mut String, report: &PlanReport) {
     out.push('\n');
     if report.before.diastole.is_some() {
         let told = "the leaflets without pressure, annulus and papillary tips as in systole; blood pushes them wider, so that \
-                    areas are rather too small and gradients too high: they compare repairs, and are no mitral valve area";
+                    areas are rather too small and gradients too high: they compare repairs, are no mitral valve area, and no \
+                    limit for one is held against them";
         line(out, "open orifice", told);
     }
     let closed = report.alternatives.iter().filter_map(|row| row.closed.as_ref());

@@ -75,9 +75,9 @@ pub fn located(file: &str, text: &str, fault: &Fault) -> Fault {
         None => file.to_owned(),
     };
     Fault {
-        severity: fault.severity,
         place,
         message: sentence(fault),
+        ..fault.clone()
     }
 }
 

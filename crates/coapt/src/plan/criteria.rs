@@ -9,14 +9,15 @@ use crate::measure::Measures;
 /// line of closure, which is lower than the middle, it is a target on the safe side.
 pub const COAPTATION_TARGET_MM: f64 = 8.0;
 
-/// Orifice of the open valve beyond which more is no better [mm²]: the 4 cm² from which clips leave no high gradient (discharge
+/// Orifice of the open valve beyond which more is no better [mm²], and from which halvings are counted; no limit below which anything
+/// would be wrong: the 4 cm² from which clips leave no high gradient (discharge
 /// gradients of 3.3 against 3.9 mmHg below it, PMC12813607).
 pub const DIASTOLIC_TARGET_MM2: f64 = 400.0;
 
 /// A measure that tells a better repair from a worse one.
 ///
 /// Differences below the [noise](Criterion::noise) tell nothing. "Equal within a tolerance" is no order, since a may equal
-/// b and b equal c where a is better than c; so each measure is cut into bins as wide as its noise, the first of which begins at
+/// b and b equal c where a is better than c; so each measure is cut into [bins](Criterion::bin_width), the first of which begins at
 /// the best value there is, and bins are compared. That way whether one alternative ranks above another does not depend on the
 /// others. The price: two that lie on either side of a bin's border are told apart by less than the noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -34,8 +35,9 @@ pub enum Criterion {
     ChordForce,
     /// Strain, 95th percentile of the leaflet where it is largest: the lower the better.
     Strain,
-    /// Orifice of the valve without pressure: the less it lacks of [`DIASTOLIC_TARGET_MM2`] the better; beyond that, more is no
-    /// better. Where it is not known, the alternative stands behind all others of that criterion.
+    /// Orifice of the valve without pressure: the less often it must be doubled to reach [`DIASTOLIC_TARGET_MM2`] the better;
+    /// beyond that, more is no better. Half the orifice is four times the gradient; less of a difference tells nothing, since the
+    /// figure is no mitral valve area. Where it is not known, the alternative stands behind all others of that criterion.
     DiastolicOrifice,
 }
 
@@ -51,7 +53,8 @@ impl Criterion {
     ];
 
     /// Those that rank unless others are asked for, in their order. The length at A2-P2 is what the target of 8 mm was said of, and
-    /// differs less between meshes than the mean.
+    /// differs less between meshes than the mean. Which order is our choice, as a surgeon would ask: does it seal, does it still
+    /// open, how surely will it seal tomorrow, what must chordae and tissue bear.
     pub const DEFAULT: [Self; 4] = [
         Self::Orifice,
         Self::CoaptationLengthA2P2,
@@ -59,10 +62,11 @@ impl Criterion {
         Self::Strain,
     ];
 
-    /// The default, with the orifice of the open valve as the last where that is computed.
+    /// The default, with the orifice of the open valve second where that is computed.
     pub fn default_with(diastole: bool) -> Vec<Self> {
-        let last = diastole.then_some(Self::DiastolicOrifice);
-        Self::DEFAULT.into_iter().chain(last).collect()
+        let [first, rest @ ..] = Self::DEFAULT;
+        let second = diastole.then_some(Self::DiastolicOrifice);
+        [first].into_iter().chain(second).chain(rest).collect()
     }
 
     /// As written in plans.
@@ -115,14 +119,22 @@ impl Criterion {
         }
     }
 
-    /// How far from the best there is, at least 0, in the unit of the value; infinite where that is not known.
+    /// How wide the bins are in which values are compared, and in what: of the open valve in halvings, else as wide as the noise.
+    pub fn bin_width(self) -> (f64, &'static str) {
+        match self {
+            Self::DiastolicOrifice => (1.0, "halvings"),
+            _ => (self.noise(), self.unit()),
+        }
+    }
+
+    /// How far from the best there is, at least 0, in what bins are counted in; infinite where that is not known.
     pub(super) fn cost(self, measures: &Measures, diastole: Option<&Diastole>) -> f64 {
         let Some(value) = self.value(measures, diastole) else {
             return f64::INFINITY;
         };
         match self {
             Self::CoaptationLengthA2P2 | Self::CoaptationLength => (COAPTATION_TARGET_MM - value).max(0.0),
-            Self::DiastolicOrifice => (DIASTOLIC_TARGET_MM2 - value).max(0.0),
+            Self::DiastolicOrifice => (DIASTOLIC_TARGET_MM2 / value).log2().max(0.0),
             Self::Orifice | Self::ChordForce | Self::Strain => value,
         }
     }
@@ -130,7 +142,7 @@ impl Criterion {
     /// The bin of that cost, from 0.
     pub(super) fn bin(self, measures: &Measures, diastole: Option<&Diastole>) -> u64 {
         // Measures are finite; the conversion saturates.
-        (self.cost(measures, diastole) / self.noise()).floor() as u64
+        (self.cost(measures, diastole) / self.bin_width().0).floor() as u64
     }
 }
 

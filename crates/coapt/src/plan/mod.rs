@@ -35,6 +35,21 @@ pub struct Alternative {
     pub repairs: Vec<Repair>,
 }
 
+impl Alternative {
+    /// Whether nothing is done but to tear or cut chordae: what if, and no repair. Who cuts strut chordae against tethering does so
+    /// beside a ring or a patch.
+    pub fn only_takes_chordae(&self) -> bool {
+        let takes = |repair: &Repair| matches!(repair, Repair::Rupture(_) | Repair::CutChord(_));
+        !self.repairs.is_empty() && self.repairs.iter().all(takes)
+    }
+
+    /// Whether the leaflets are joined edge to edge, which leaves less to be flowed through.
+    pub fn joins_edges(&self) -> bool {
+        let joins = |repair: &Repair| matches!(repair, Repair::Clip(_) | Repair::Alfieri(_));
+        self.repairs.iter().any(joins)
+    }
+}
+
 /// How alternatives are compared.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -65,8 +80,9 @@ impl Default for Settings {
 pub struct Comparison {
     /// Without any repair.
     pub before: Outcome,
-    /// First those that are ranked, the best first; then those that closed without a certificate; then those that could not be
-    /// carried out; each of the last two in the order of the alternatives.
+    /// First those that are ranked, the best first; then certified ones that [only take chordae
+    /// away](Alternative::only_takes_chordae), in the order that they would have; then those that closed without a certificate; then
+    /// those that could not be carried out; each of the last two in the order of the alternatives.
     pub rows: Vec<Row>,
 }
 
@@ -76,8 +92,10 @@ pub struct Row {
     /// Which one, from 0.
     pub alternative: usize,
     /// Its place, from 1; alternatives that no criterion tells apart share one, and the places after it stay empty. None
-    /// without a certificate.
+    /// without a certificate, nor where it is no repair.
     pub rank: Option<usize>,
+    /// Whether it [only takes chordae away](Alternative::only_takes_chordae).
+    pub only_takes_chordae: bool,
     /// The closed valve, or why it could not be repaired.
     pub result: Result<Outcome, Refusal>,
 }
@@ -163,6 +181,7 @@ pub fn compare_watched(
         let attempt = |(number, alternative): (usize, &Alternative)| Row {
             alternative: number,
             rank: None,
+            only_takes_chordae: alternative.only_takes_chordae(),
             result: attempted(model, alternative, settings, watch),
         };
         if settings.warm {
@@ -219,6 +238,33 @@ pub fn apply_all(model: &Model, repairs: &[Repair]) -> Result<Applied, Refusal> 
             .extend(repaired.warnings.into_iter().map(|fault| (number, fault)));
     }
     Ok(applied)
+}
+
+/// What is wrong with repairs in themselves, whatever the valve's shape, each with the number of its repair from 0. What cannot be
+/// carried out is passed over, so that what is wrong behind it is told as well; behind one that this valve's shape does not allow
+/// nothing is, since it may build on it.
+pub fn wrong_input(model: &Model, repairs: &[Repair]) -> Vec<(usize, Fault)> {
+    let mut model = model.clone();
+    let mut wrong = Vec::new();
+    for (number, deed) in repairs.iter().enumerate() {
+        let faults = match refuse_second_ring(&repairs[..number], deed) {
+            Err(fault) => vec![fault],
+            Ok(()) => match repair::apply(&model, deed) {
+                Ok(repaired) => {
+                    model = repaired.model;
+                    continue;
+                }
+                Err(faults) => faults,
+            },
+        };
+        let of_input = faults.into_iter().filter(|fault| !fault.of_shape);
+        let before = wrong.len();
+        wrong.extend(of_input.map(|fault| (number, fault)));
+        if wrong.len() == before {
+            break;
+        }
+    }
+    wrong
 }
 
 /// A ring draws the annulus onto itself, whatever drew it elsewhere before: of two, only the last would show.

@@ -7,7 +7,7 @@ use crate::measure::{DiastolicOrifice, diastolic_orifice};
 use crate::mesh::parametric::{Preset, ValveParameters, generate};
 use crate::relax::relax;
 use crate::repair::parse_ring_spec;
-use crate::scene::{Neochord, Ring};
+use crate::scene::{Clip, Neochord, Ring, Rupture, Segment};
 use crate::sensitivity::{Parameter, sensitivity};
 
 fn small(preset: Preset) -> Model {
@@ -60,6 +60,7 @@ fn ranked(values: &[[f64; 4]], criteria: &[Criterion]) -> Vec<(usize, usize)> {
     let row = |(alternative, &values): (usize, &[f64; 4])| Row {
         alternative,
         rank: None,
+        only_takes_chordae: false,
         result: Ok(outcome(&like, values)),
     };
     let mut rows: Vec<Row> = values.iter().enumerate().map(row).collect();
@@ -127,6 +128,7 @@ fn what_is_not_certified_is_never_ranked() {
         .map(|(alternative, result)| Row {
             alternative,
             rank: None,
+            only_takes_chordae: false,
             result,
         })
         .collect();
@@ -244,10 +246,11 @@ fn the_open_valve_ranks_up_to_its_target() {
         diastole.orifice = area_mm2.map(|area_mm2| DiastolicOrifice { area_mm2, ..orifice });
         outcome
     };
-    let outcomes = [None, Some(380.0), Some(500.0), Some(402.0), Some(100.0)].map(with);
+    let outcomes = [None, Some(380.0), Some(500.0), Some(190.0), Some(99.0)].map(with);
     let row = |(alternative, outcome): (usize, Outcome)| Row {
         alternative,
         rank: None,
+        only_takes_chordae: false,
         result: Ok(outcome),
     };
     let mut rows: Vec<Row> = outcomes.into_iter().enumerate().map(row).collect();
@@ -256,7 +259,8 @@ fn the_open_valve_ranks_up_to_its_target() {
         .iter()
         .map(|row| (row.alternative, row.rank.unwrap()))
         .collect();
-    assert_eq!(told, [(2, 1), (3, 1), (1, 3), (4, 4), (0, 5)]);
+    // 380 mm² are not half of 400; 190 are, and 99 half of that.
+    assert_eq!(told, [(2, 1), (1, 1), (3, 3), (4, 4), (0, 5)]);
 }
 
 /// Samples begun at the closed valve are, within the noise of meshes and roads, those begun at the open one; a start of another valve
@@ -448,4 +452,64 @@ fn warm_alternatives_are_within_the_noise_of_those_begun_open() {
             );
         }
     }
+}
+
+/// What only tears or cuts chordae is no repair: it has no rank, and stands behind all that have one, whatever it measures.
+#[test]
+fn what_only_takes_chordae_is_not_ranked() {
+    let model = small(Preset::Dilated);
+    let rupture = || Repair::Rupture(Rupture::of(Segment::P1));
+    let of = |name: &str, repairs: Vec<Repair>| Alternative {
+        name: name.to_owned(),
+        repairs,
+    };
+    let ring = ring(30.0);
+    let both = of("both", [vec![rupture()], ring.repairs.clone()].concat());
+    let alternatives = [of("torn", vec![rupture()]), ring, both, of("nothing", Vec::new())];
+    let told = alternatives.each_ref().map(Alternative::only_takes_chordae);
+    assert_eq!(told, [true, false, false, false]);
+    let rows = compare(&model, &alternatives, &Settings::default()).rows;
+    assert_eq!((rows[3].alternative, rows[3].rank), (0, None));
+    assert!(rows[..3].iter().all(|row| row.rank.is_some()), "{rows:?}");
+    assert!(rows[3].result.as_ref().is_ok_and(Outcome::is_certified));
+}
+
+/// What is wrong in itself is told of all repairs at once; what this valve's shape does not allow is not.
+#[test]
+fn wrong_input_is_told_from_what_does_not_fit() {
+    let model = small(Preset::Dilated);
+    let clip = |position: Option<f64>, angle_deg: f64| {
+        Repair::Clip(Clip {
+            position,
+            angle_deg,
+            ..Clip::default()
+        })
+    };
+    let places = |repairs: &[Repair]| -> Vec<(usize, String)> {
+        let wrong = wrong_input(&model, repairs);
+        wrong
+            .into_iter()
+            .map(|(number, fault)| (number, fault.place))
+            .collect()
+    };
+    let ring = ring(30.0).repairs.remove(0);
+    assert_eq!(places(&[clip(Some(0.5), 0.0), ring.clone()]), []);
+    // Beyond the commissure, and over another clip: with another valve, or alone, it could be done.
+    assert_eq!(places(&[clip(Some(0.01), 0.0)]), []);
+    assert_eq!(places(&[clip(Some(0.5), 0.0), clip(Some(0.52), 0.0)]), []);
+    let wrong = [clip(None, 60.0), ring.clone(), ring, clip(Some(1.5), 0.0)];
+    let told = places(&wrong);
+    let named: Vec<(usize, &str)> = told
+        .iter()
+        .map(|(number, place)| (*number, place.as_str()))
+        .collect();
+    assert_eq!(
+        named,
+        [
+            (0, "clip.angle_deg"),
+            (0, "clip.site"),
+            (2, "ring"),
+            (3, "clip.position")
+        ]
+    );
 }

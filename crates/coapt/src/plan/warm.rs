@@ -59,6 +59,7 @@ pub(super) fn rows(
     let row = |number: usize| Row {
         alternative: number,
         rank: None,
+        only_takes_chordae: alternatives[number].only_takes_chordae(),
         result: close(number),
     };
     all.map(row).collect()

@@ -70,7 +70,7 @@ pub fn stitch(model: &Model, stitches: &Alfieri) -> Result<Repaired, Vec<Fault>>
                     stitches.bite_mm,
                     line.length_mm()
                 );
-                return Err(vec![Fault::error("alfieri.bite_mm", message)]);
+                return Err(vec![Fault::of_shape("alfieri.bite_mm", message)]);
             }
             *end = line.at(stitches.bite_mm);
         }

@@ -80,7 +80,7 @@ fn augmented(model: &Model, deed: &Augment) -> Result<Repaired, Fault> {
             "is {} mm, but there are {room_mm:.1} mm about the position between the commissures; expected at most that",
             deed.length_mm
         );
-        return Err(Fault::error("augment.length_mm", message));
+        return Err(Fault::of_shape("augment.length_mm", message));
     }
     let chart = chart(model, &margin);
     let leaflet_height_mm = margin
@@ -102,7 +102,7 @@ fn augmented(model: &Model, deed: &Augment) -> Result<Repaired, Fault> {
              {gained_mm2:.0} mm2 for a patch of {area_mm2:.0} mm2; expected a leaflet that hangs down",
             deed.leaflet
         );
-        return Err(Fault::error("augment.leaflet", message));
+        return Err(Fault::of_shape("augment.leaflet", message));
     }
     let tangles = tangles(&Surface::new(&after.faces, &after.rest_mm), &after.rest_mm);
     if let (true, Some(tangle)) = (after.contact.is_on(), tangles.first()) {
@@ -115,7 +115,7 @@ fn augmented(model: &Model, deed: &Augment) -> Result<Repaired, Fault> {
             at.y,
             at.z
         );
-        return Err(Fault::error("augment.width_mm", message));
+        return Err(Fault::of_shape("augment.width_mm", message));
     }
     Ok(Repaired {
         model: after,
@@ -226,7 +226,7 @@ fn patched(
     let opened = open(&mut mesh, leaflet, &fields[0], &motions, mean_edge_mm(model));
     let area_mm2 = opened.ok_or_else(|| {
         let message = "lies where the leaflet cannot be opened along one line; expected another height, or a longer patch";
-        Fault::error("augment.fraction", message)
+        Fault::of_shape("augment.fraction", message)
     })?;
     let place = |point: &WeightedVertices, of: &[f64]| -> f64 {
         point.iter().map(|&(v, weight)| weight * of[v as usize]).sum()

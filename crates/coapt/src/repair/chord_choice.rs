@@ -144,8 +144,11 @@ pub(super) fn nearest_insertions(
                 "is ({x}, {y}, {z}) mm, {:.1} mm from the nearest insertion; expected a place within {REACH_MM} mm of one",
                 away(first)
             );
-            Err(Fault::error(place, message))
+            Err(Fault::of_shape(place, message))
         }
-        None => Err(Fault::error(place, "there is no chord that inserts in a leaflet")),
+        None => Err(Fault::of_shape(
+            place,
+            "there is no chord that inserts in a leaflet",
+        )),
     }
 }

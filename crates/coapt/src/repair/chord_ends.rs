@@ -62,12 +62,12 @@ pub(super) fn insertions(
                  `spread_mm`",
                 aside_mm.abs()
             );
-            return Err(Fault::error(place, message));
+            return Err(Fault::of_shape(place, message));
         }
         let line = margin.height_line(arc_mm, margin.tangent(arc_mm, spread_mm), 0.0);
         let point = inset(model, &line, at, kind)?;
         let insertion = insertion_near(model, leaflet, point, REACH_MM);
-        let insertion = insertion.ok_or_else(|| Fault::error(&*place, "is on no face of the leaflet"))?;
+        let insertion = insertion.ok_or_else(|| Fault::of_shape(&*place, "is on no face of the leaflet"))?;
         found.push((insertion, Some(arc_mm / margin.length_mm())));
     }
     Ok(found)
@@ -80,7 +80,10 @@ fn inset(model: &Model, line: &HeightLine, at: LeafletPlace, kind: &str) -> Resu
             at.inset_mm,
             line.length_mm()
         );
-        return Err(Fault::error(format!("{kind}.inset_mm"), message));
+        return Err(Fault {
+            of_shape: at.inset_mm >= 0.0,
+            ..Fault::error(format!("{kind}.inset_mm"), message)
+        });
     }
     Ok(place_mm(&line.at(at.inset_mm), &model.rest_mm))
 }
@@ -102,7 +105,7 @@ fn on_leaflet(model: &Model, leaflet: u32, point: [f64; 3], place: &str) -> Resu
             "is ({x}, {y}, {z}) mm, expected a place within {REACH_MM} mm of the {name} leaflet when open; the nearest vertex \
              of the valve is {nearest:.1} mm away"
         );
-        Fault::error(place, message)
+        Fault::of_shape(place, message)
     })
 }
 
@@ -163,7 +166,7 @@ pub(super) fn tip(
             );
             Fault::error(format!("{kind}.tip"), message)
         }
-        None => Fault::error(
+        None => Fault::of_shape(
             format!("{kind}.muscle"),
             "the valve has no papillary tip to string a chord from",
         ),

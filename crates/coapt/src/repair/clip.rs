@@ -142,7 +142,7 @@ pub fn refuse_beyond_commissure(
     if room > 0.5 {
         let message =
             format!("{what} is {width_mm} mm wide, the margin {least:.1} mm long; expected a shorter one");
-        return Err(vec![Fault::error(place, message)]);
+        return Err(vec![Fault::of_shape(place, message)]);
     }
     let (beyond, side) = match site.position < 0.5 {
         true => (room - site.position, "anterolateral"),
@@ -154,7 +154,7 @@ pub fn refuse_beyond_commissure(
         room,
         1.0 - room
     );
-    Err(vec![Fault::error(place, message)])
+    Err(vec![Fault::of_shape(place, message)])
 }
 
 /// Ways across a leaflet, evenly over a width about a position of its margin, parallel to each other.
@@ -189,7 +189,7 @@ fn refuse_too_long_a_grasp(
                 "is {} mm, but the {leaflet} leaflet is only {:.1} mm high under the clip; expected less",
                 grasp_mm[side], height_mm[side]
             );
-            faults.push(Fault::error(keys[side], message));
+            faults.push(Fault::of_shape(keys[side], message));
         }
     }
     if faults.is_empty() { Ok(()) } else { Err(faults) }

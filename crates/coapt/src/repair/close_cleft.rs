@@ -57,7 +57,7 @@ fn closed(model: &Model, cleft: &CloseCleft) -> Result<Repaired, Fault> {
             "the indentation's bottom lies {:.1} mm from a commissure; expected more than `depth_mm`, {depth_mm} mm",
             bottom_mm.min(margin.length_mm() - bottom_mm)
         );
-        return Err(Fault::error("close-cleft.position", message));
+        return Err(Fault::of_shape("close-cleft.position", message));
     }
     let steps = (depth_mm / SPACING_MM).ceil();
     let stitch = |step: u32| {

@@ -39,7 +39,7 @@ pub(super) fn closing_place_mm(model: &Model, share: f64, depth_mm: f64, place: 
     });
     let [a, p] = height_mm;
     if a + p <= 0.0 {
-        return Err(Fault::error(place, "the leaflets have no height there"));
+        return Err(Fault::of_shape(place, "the leaflets have no height there"));
     }
     let between = anterior + (posterior - anterior) * (a / (a + p));
     let normal = normal_of(&annulus);

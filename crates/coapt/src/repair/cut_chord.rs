@@ -62,7 +62,7 @@ fn chosen(model: &Model, cut: &CutChord) -> Result<(BTreeSet<usize>, usize, usiz
     if units.is_empty() {
         let group = cut.group.as_deref().unwrap_or_default();
         let message = format!("is `{group}`, which has no chordae any more; expected a group that has");
-        return Err(Fault::error("cut-chord.group", message));
+        return Err(Fault::of_shape("cut-chord.group", message));
     }
     let Some(near_mm) = cut.near_mm else {
         if cut.count.is_some() {
@@ -78,10 +78,11 @@ fn chosen(model: &Model, cut: &CutChord) -> Result<(BTreeSet<usize>, usize, usiz
     let nearest = nearest_insertions(model, &chords, near_mm, "cut-chord.near_mm")?;
     let wanted = cut.count.unwrap_or(1) as usize;
     if wanted == 0 || wanted > units.len() {
-        return Err(Fault::error(
-            "cut-chord.count",
-            format!("is {wanted}, expected 1 to {}", units.len()),
-        ));
+        let message = format!("is {wanted}, expected 1 to {}", units.len());
+        return Err(Fault {
+            of_shape: wanted > 0,
+            ..Fault::error("cut-chord.count", message)
+        });
     }
     let mut picked: Vec<usize> = Vec::new();
     for (_, (segment, _)) in nearest {

@@ -79,7 +79,7 @@ pub(super) fn remade(
                 "leaves no tissue at ({:.1}, {:.1}, {:.1}) mm, where a chord inserts; expected tissue within {REACH_MM} mm",
                 at_mm.x, at_mm.y, at_mm.z
             );
-            Fault::error(place, message)
+            Fault::of_shape(place, message)
         })?;
         made.chords.points[point as usize] = found.vertices;
     }

@@ -127,7 +127,7 @@ impl<'a> LeafletMargin<'a> {
                 "the leaflet `{name}` has no free margin that runs from one commissure to the other; expected leaflets \
                  `anterior` and `posterior` that meet, or end, at the commissures"
             );
-            return Err(Fault::error(place, message));
+            return Err(Fault::of_shape(place, message));
         };
         let mut vertices = chain.vertices;
         if !runs_from_the_anterolateral_side(model, &vertices) {

@@ -50,7 +50,7 @@ pub(super) fn plicate(model: &mut Model, ends_mm: [Vec3; 2], place: &str) -> Res
             "gathers {:.1} of the {length_mm:.1} mm of posterior annulus; expected a narrower piece",
             to - from
         );
-        return Err(Fault::error(place, message));
+        return Err(Fault::of_shape(place, message));
     };
     let gathered = |arc: f64| arc - (1.0 - KEPT) * (arc.clamp(from, to) - from);
     let curve_arcs = polyline::arc_lengths(&curve, false);

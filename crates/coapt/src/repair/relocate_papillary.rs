@@ -34,7 +34,7 @@ fn relocated(model: &Model, relocation: &RelocatePapillary) -> Result<Repaired, 
     let muscle = &model.papillary[number];
     if muscle.tips.is_empty() {
         let message = format!("is `{}`, which has no tips", muscle.name);
-        return Err(Fault::error("relocate-papillary.muscle", message));
+        return Err(Fault::of_shape("relocate-papillary.muscle", message));
     }
     let tips = muscle.tips.iter().map(|&tip| model.target_mm(tip));
     let middle = tips.sum::<Vec3>() / muscle.tips.len() as f64;
@@ -80,7 +80,10 @@ fn motion(model: &Model, relocation: &RelocatePapillary, from: Vec3) -> Result<V
             }
             let message =
                 format!("is {distance} mm, expected above 0 and less than the way there, {way:.1} mm");
-            Err(Fault::error("relocate-papillary.distance_mm", message))
+            Err(Fault {
+                of_shape: distance >= way,
+                ..Fault::error("relocate-papillary.distance_mm", message)
+            })
         }
         (Some(_), _, _) => Err(Fault::error(
             "relocate-papillary.by_mm",
@@ -109,7 +112,7 @@ fn place_mm(model: &Model, place: AnnulusPlace) -> Result<Vec3, Fault> {
     };
     let found = annulus_targets(model).get(index).copied();
     found.ok_or_else(|| {
-        Fault::error(
+        Fault::of_shape(
             "relocate-papillary.toward",
             "the valve has no annulus to draw it to",
         )

@@ -189,7 +189,7 @@ fn refuse_beyond_commissure(
              farther from it"
         )
     };
-    Err(Fault::error("resect.width_mm", message))
+    Err(Fault::of_shape("resect.width_mm", message))
 }
 
 /// How high the piece is, of a leaflet so high [mm].
@@ -214,7 +214,10 @@ fn height(deed: &Resect, leaflet_height_mm: f64) -> Result<f64, Fault> {
                     "is {fraction}, expected above 0 and at most {most:.2}, which leaves {LEAST_STRIP_MM} mm of the \
                      {leaflet_height_mm:.1} mm of leaflet"
                 );
-                return Err(Fault::error("resect.height_fraction", message));
+                return Err(Fault {
+                    of_shape: fraction > 0.0 && fraction < 1.0,
+                    ..Fault::error("resect.height_fraction", message)
+                });
             }
             Ok(fraction * leaflet_height_mm)
         }
@@ -225,7 +228,10 @@ fn height(deed: &Resect, leaflet_height_mm: f64) -> Result<f64, Fault> {
                 let message = format!(
                     "is {strip_mm} mm, expected {LEAST_STRIP_MM} to {most_mm:.1} of the {leaflet_height_mm:.1} mm of leaflet"
                 );
-                return Err(Fault::error("resect.strip_mm", message));
+                return Err(Fault {
+                    of_shape: strip_mm >= LEAST_STRIP_MM,
+                    ..Fault::error("resect.strip_mm", message)
+                });
             }
             Ok(leaflet_height_mm - strip_mm)
         }
@@ -312,7 +318,7 @@ fn excised(model: &Model, piece: &Piece) -> Result<Excised, Fault> {
              piece, or one farther from the commissure",
             piece.width_mm
         );
-        return Err(Fault::error("resect.width_mm", message));
+        return Err(Fault::of_shape("resect.width_mm", message));
     }
     let moved = |v: u32| mesh.points_mm[v as usize] != model.rest_mm[v as usize] || of_piece.contains(&v);
     let reinserted = reinserted(model, piece.leaflet, moved);
@@ -357,7 +363,10 @@ fn removed(mesh: &Mesh, fields: &Fields, piece: &Piece) -> Result<Vec<bool>, Fau
     let mut removed = inside(mesh, fields);
     let within: Vec<usize> = (0..removed.len()).filter(|&face| removed[face]).collect();
     if within.is_empty() {
-        return Err(Fault::error("resect", "holds no tissue; expected a larger piece"));
+        return Err(Fault::of_shape(
+            "resect",
+            "holds no tissue; expected a larger piece",
+        ));
     }
     let faces: Vec<[u32; 3]> = within.iter().map(|&face| mesh.faces[face]).collect();
     let away = |face: &[u32; 3]| {

@@ -45,7 +45,7 @@ pub(super) fn chords_in_piece(
             "holds sutures of `{}`; expected a piece that no earlier repair has sewn",
             group(suture).name
         );
-        return Err(Fault::error("resect", message));
+        return Err(Fault::of_shape("resect", message));
     }
     if !may_cut && !inserts.is_empty() {
         let named = inserts.iter().take(NAMED).map(|&(segment, point)| {
@@ -67,7 +67,7 @@ pub(super) fn chords_in_piece(
             "is not set, but chordae insert in the piece: {}{more}; expected a piece without, or `cut_chords = true`",
             named.join(", ")
         );
-        return Err(Fault::error("resect.cut_chords", message));
+        return Err(Fault::of_shape("resect.cut_chords", message));
     }
     Ok(inserts.into_iter().map(|(segment, _)| segment).collect())
 }

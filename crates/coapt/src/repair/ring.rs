@@ -136,7 +136,7 @@ fn judge(
         report.ring_length_mm, report.annulus_length_mm, report.warp_mean_mm, report.warp_max_mm
     );
     if !(1.0 / LARGEST_SCALE..=LARGEST_SCALE).contains(&scale) {
-        return Err(vec![Fault::error(
+        return Err(vec![Fault::of_shape(
             "ring",
             format!("{lengths}; expected lengths within a factor of {LARGEST_SCALE} of each other"),
         )]);
@@ -144,7 +144,7 @@ fn judge(
     // Half of the annulus' mean diameter: no ring that is sewn in moves it as far.
     let farthest_mm = 0.5 * report.annulus_length_mm / std::f64::consts::PI;
     if report.warp_mean_mm > farthest_mm {
-        return Err(vec![Fault::error(
+        return Err(vec![Fault::of_shape(
             "ring",
             format!(
                 "{lengths}; expected a ring that stands at the annulus, within {farthest_mm:.1} mm on average"

@@ -17,7 +17,7 @@ const FARTHEST_MM: f64 = 1e6;
 pub(crate) fn candidates(model: &Model, ring: &Ring) -> Result<Vec<RingCurve>, Vec<Fault>> {
     let mut faults = Vec::new();
     if model.annulus.len() < 3 || model.margins.iter().any(|margin| !margin.closed) {
-        faults.push(Fault::error(
+        faults.push(Fault::of_shape(
             "ring",
             "the annulus is no closed loop: there is nothing to sew a ring to",
         ));

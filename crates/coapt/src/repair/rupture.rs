@@ -87,7 +87,7 @@ fn torn(model: &Model, rupture: &Rupture) -> Result<(BTreeSet<usize>, usize, usi
 fn count(rupture: &Rupture, of: usize) -> Result<usize, Fault> {
     if of == 0 {
         let message = format!("is {:?}, where no chord of these groups inserts", rupture.region);
-        return Err(Fault::error("rupture.region", message));
+        return Err(Fault::of_shape("rupture.region", message));
     }
     match (rupture.fraction, rupture.count) {
         (None, None) => Ok(of),
@@ -103,9 +103,9 @@ fn count(rupture: &Rupture, of: usize) -> Result<usize, Fault> {
             format!("is {fraction}, expected above 0 and at most 1"),
         )),
         (None, Some(count)) if count >= 1 && count as usize <= of => Ok(count as usize),
-        (None, Some(count)) => Err(Fault::error(
-            "rupture.count",
-            format!("is {count}, expected 1 to {of}"),
-        )),
+        (None, Some(count)) => Err(Fault {
+            of_shape: count > 0,
+            ..Fault::error("rupture.count", format!("is {count}, expected 1 to {of}"))
+        }),
     }
 }

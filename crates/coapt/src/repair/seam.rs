@@ -23,7 +23,7 @@ pub(super) fn seam(model: &Model, edge: &[(u32, bool)]) -> Result<Vec<Stitch>, F
     let run = run(model, &corner_of).ok_or_else(|| {
         let message = "leaves edges that are no single stretch of the margin; expected a piece that lies at the margin, away from \
                        earlier cuts";
-        Fault::error("resect", message)
+        Fault::of_shape("resect", message)
     })?;
     let points: Vec<Vec3> = run.iter().map(|&v| model.rest_mm[v as usize]).collect();
     let arcs = polyline::arc_lengths(&points, false);

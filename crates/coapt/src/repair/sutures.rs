@@ -111,7 +111,7 @@ pub fn refuse_overlap(
                     share(first),
                     share(last)
                 );
-                return Err(Fault::error(place, message));
+                return Err(Fault::of_shape(place, message));
             }
         }
     }

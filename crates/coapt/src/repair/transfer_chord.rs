@@ -49,7 +49,7 @@ fn transferred(model: &Model, transfer: &TransferChord) -> Result<Repaired, Faul
     )?;
     let nearest = nearest_insertions(model, &chords, transfer.near_mm, "transfer-chord.near_mm")?;
     let Some(&(chord, (segment, end))) = nearest.first() else {
-        return Err(Fault::error(
+        return Err(Fault::of_shape(
             "transfer-chord.near_mm",
             "there is no chord that inserts in a leaflet",
         ));

@@ -326,6 +326,9 @@ pub struct Fault {
     pub place: String,
     /// What was found, its value and what was expected.
     pub message: String,
+    /// Whether what is asked for is right in itself, and only this valve's shape does not allow it: a ring that does not fit, a
+    /// clip over another.
+    pub of_shape: bool,
 }
 
 /// Whether a fault stops.
@@ -344,6 +347,15 @@ impl Fault {
             severity: Severity::Error,
             place: place.into(),
             message: short(message.into()),
+            of_shape: false,
+        }
+    }
+
+    /// A fault that stops, though with another valve it would not.
+    pub fn of_shape(place: impl Into<String>, message: impl Into<String>) -> Self {
+        Self {
+            of_shape: true,
+            ..Self::error(place, message)
         }
     }
 
@@ -353,6 +365,7 @@ impl Fault {
             severity: Severity::Warning,
             place: place.into(),
             message: short(message.into()),
+            of_shape: false,
         }
     }
 }

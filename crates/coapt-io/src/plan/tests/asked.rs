@@ -2,6 +2,7 @@
 
 use coapt::plan::ensemble::Probability;
 use coapt::plan::{CHORD_SCALE, Rates, Sampling, summaries};
+use coapt::search::{Found, Tried};
 
 use super::*;
 
@@ -14,8 +15,9 @@ fn the_open_valve_is_told_where_it_is_certified() {
     for words in [
         "open orifice",
         "      open without pressure: 1 opening; mean gradient at most ",
-        "in steps of 15 mm²",
-        "they compare repairs, and are no mitral valve area",
+        " % of what opened before; mean gradient at most ",
+        "orifice area in steps of 8 mm², then open orifice, by how often it is halved from 400 mm², then A2-P2",
+        "they compare repairs, are no mitral valve area, and no limit for one is held against them",
     ] {
         assert!(
             told.split_whitespace()
@@ -218,17 +220,62 @@ fn goals_are_reached_and_told() {
         "search.measure is `coaptation/length_a2p2`, which is not measured; did you mean `coaptation.length_a2p2_mm`?"
     );
     let faults = seek(&goal("orifice", "at_most = 8").replace("to = 26", "to = 6")).unwrap_err();
-    assert!(
-        faults[0].place.starts_with("alternative[0].repair[0]")
-            && faults[0].message.ends_with("(at size_mm = 21)"),
-        "{faults:?}"
+    assert_eq!(
+        sentence(&faults[0]),
+        "search.to is 6, at which alternative[0].repair[0].size_mm: 6 mm is out of range, expected 20 to 44 mm"
     );
 }
 
-/// Published limits are information beside the figure that they are about.
+/// A goal that is reached and lost again among the values tried is told with the first at which it is lost.
+#[test]
+fn a_goal_that_is_lost_again_is_told() {
+    let compared = compared();
+    let tried = |value: f64, measured: f64, certified: bool| Tried {
+        value,
+        measured,
+        certified,
+    };
+    let found = Found {
+        answer: Some(tried(34.0, 8.2, true)),
+        tried: vec![
+            tried(36.0, 6.0, true),
+            tried(34.0, 8.2, true),
+            tried(30.0, 7.5, true),
+            tried(28.0, 9.0, true),
+        ],
+    };
+    assert_eq!(found.lost_again(8.0), Some(tried(30.0, 7.5, true)));
+    assert_eq!(found.lost_again(7.0), None);
+    let mut report = report(&compared);
+    report.search = Some(SearchReport {
+        place: "repair[0]".into(),
+        key: "size_mm".into(),
+        from: 36.0,
+        to: 28.0,
+        tolerance: 0.1,
+        measure: "coaptation_length_a2p2".into(),
+        at_least: Some(8.0),
+        at_most: None,
+        answer: found.answer,
+        lost_again: found.lost_again(8.0),
+        repairs: Vec::new(),
+        tried: found.tried,
+    });
+    let flat = text(&report).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        flat.contains("beyond it the goal is lost again: 30.000 gives 7.500"),
+        "{flat}"
+    );
+}
+
+/// Published limits are information beside the figure that they are about, for plans with the repair that they are about.
 #[test]
 fn limits_of_the_anatomy_are_told_of_the_valve_before() {
-    let report = report(&compared());
+    let mut compared = compared();
+    assert!(report(&compared).anatomic_limits.is_empty() && !text(&report(&compared)).contains("EACVI"));
+    let clip = serde_json::from_str(r#"{"kind": "clip", "site": "A2P2"}"#).unwrap();
+    compared.plan.alternatives[0].repairs.push(clip);
+    let report = report(&compared);
     let limit = &report.anatomic_limits[0];
     assert_eq!(limit.value, report.before.measures.coaptation.length_a2p2_mm);
     assert!(

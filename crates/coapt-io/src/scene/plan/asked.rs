@@ -2,7 +2,7 @@
 
 use coapt::plan::ensemble::Uncertainty;
 use coapt::plan::{Criterion, Sampling};
-use coapt::scene::{Fault, Repair};
+use coapt::scene::{Fault, Readable, Repair};
 use serde::Deserialize;
 
 use super::Alternatives;
@@ -113,6 +113,10 @@ pub(super) struct SearchKeys {
     at_most: Option<f64>,
 }
 
+/// Closures tell no finer values apart than this part of a range that is searched (our choice): they are exact to a millionth of
+/// the load.
+const FINEST_TOLERANCE: f64 = 1e-6;
+
 /// More samples than these tell nothing more than how exact the standard deviations would have to be (our choice).
 pub const SAMPLE_LIMIT: u32 = 100_000;
 
@@ -181,11 +185,14 @@ pub(super) fn search(keys: SearchKeys, made: &Alternatives) -> Result<Search, Ve
             format!("is {}, as is `from`; expected another number", keys.to),
         );
     }
-    if !(keys.tolerance > 0.0 && keys.tolerance.is_finite()) {
-        fault(
-            ".tolerance",
-            format!("is {}; expected more than 0", keys.tolerance),
-        );
+    let least = FINEST_TOLERANCE * (keys.to - keys.from).abs();
+    if !(keys.tolerance > 0.0 && keys.tolerance.is_finite()) || keys.tolerance < least {
+        let least = match least > 0.0 && least.is_finite() {
+            true => format!("{} or more, a millionth of the range", Readable(least)),
+            false => "more than 0".to_owned(),
+        };
+        let message = format!("is {}; expected {least}", Readable(keys.tolerance));
+        fault(".tolerance", message);
     }
     if keys.measure == Criterion::DiastolicOrifice.name() {
         let message = format!("is `{}`; expected a measure of the closed valve", keys.measure);

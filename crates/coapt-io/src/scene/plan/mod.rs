@@ -164,6 +164,8 @@ fn alternatives(document: Document, files: &mut Files) -> Alternatives {
             }
         }
     }
+    // Clips and stitches close the valve in diastole too: a ranking that did not know would put the tightest first.
+    made.asked.diastole |= document.leaves_diastole && made.alternatives.iter().any(Alternative::joins_edges);
     made
 }
 

@@ -96,7 +96,7 @@ impl Names {
         let mut words: Vec<String> = common.iter().filter_map(|it| self.common_words(it)).collect();
         words.extend(own.map(|it| self.words(it, &self.own)));
         if words.is_empty() {
-            words.extend(common.iter().map(|it| it.kind.clone()));
+            words.extend(common.iter().map(|it| self.words(it, &all_keys(it))));
         }
         let done = match words.is_empty() {
             true => "no repair".to_owned(),
@@ -130,14 +130,20 @@ impl Names {
     }
 
     fn words(&self, called: &Called, telling: &BTreeSet<(String, String)>) -> String {
+        let told = called.values.iter();
+        let told: Vec<&(String, Word)> = told
+            .filter(|(key, _)| telling.contains(&(called.kind.clone(), key.clone())))
+            .collect();
+        let numbers = told
+            .iter()
+            .filter(|(_, word)| matches!(word, Word::Number(_)))
+            .count();
+        let is_ambiguous = numbers > 1 || self.many_numbers.contains(&called.kind);
         let mut words = vec![called.kind.clone()];
-        for (key, word) in &called.values {
-            if !telling.contains(&(called.kind.clone(), key.clone())) {
-                continue;
-            }
+        for (key, word) in told {
             words.push(match word {
                 Word::Plain(text) => text.clone(),
-                Word::Number(text) if self.many_numbers.contains(&called.kind) => format!("{key} {text}"),
+                Word::Number(text) if is_ambiguous => format!("{key} {text}"),
                 Word::Number(text) => text.clone(),
                 Word::Switch(true) => key.clone(),
                 Word::Switch(false) => format!("not {key}"),
@@ -147,6 +153,12 @@ impl Names {
         }
         words.join(" ")
     }
+}
+
+/// Every key of a repair.
+fn all_keys(called: &Called) -> BTreeSet<(String, String)> {
+    let keys = called.values.iter();
+    keys.map(|(key, _)| (called.kind.clone(), key.clone())).collect()
 }
 
 /// A list of more letters, such as a curve, is no part of a name; a point is.
@@ -164,7 +176,8 @@ fn swept(block: &Block) -> BTreeSet<(String, String)> {
     keys.collect()
 }
 
-/// Keys that are swept, or that repairs of one kind do not share with one value.
+/// Keys that are swept, or that repairs of one kind do not share with one value; all keys of a repair that is alone of its kind and not
+/// swept, whose kind by itself would not say what is done.
 fn differing(blocks: &[Block]) -> BTreeSet<(String, String)> {
     let mut of_kind: BTreeMap<String, usize> = BTreeMap::new();
     let mut found: BTreeMap<(String, String), (usize, BTreeSet<Word>)> = BTreeMap::new();
@@ -177,11 +190,13 @@ fn differing(blocks: &[Block]) -> BTreeSet<(String, String)> {
             words.insert(word);
         }
     }
+    let swept: BTreeSet<_> = blocks.iter().flat_map(swept).collect();
     let tells = |(kind, _): &(String, String), (count, words): &(usize, BTreeSet<Word>)| {
-        words.len() > 1 || of_kind.get(kind).is_some_and(|all| count < all)
+        let is_alone = of_kind.get(kind) == Some(&1) && !swept.iter().any(|(of, _)| of == kind);
+        is_alone || words.len() > 1 || of_kind.get(kind).is_some_and(|all| count < all)
     };
     let telling = found.iter().filter(|(place, it)| tells(place, it));
     let mut keys: BTreeSet<_> = telling.map(|(place, _)| place.clone()).collect();
-    keys.extend(blocks.iter().flat_map(swept));
+    keys.extend(swept);
     keys
 }

@@ -23,6 +23,8 @@ pub(super) struct Document {
     pub(super) criteria: Option<Vec<Criterion>>,
     /// What is asked for, but for the search.
     pub(super) asked: Asked,
+    /// Whether the plan leaves it to us to compute the open valve: it neither says so nor what ranks.
+    pub(super) leaves_diastole: bool,
     pub(super) search: Option<SearchKeys>,
 }
 
@@ -84,7 +86,7 @@ struct PlanOfOne {
     #[serde(default)]
     ranking: Option<Ranking>,
     #[serde(default)]
-    diastole: bool,
+    diastole: Option<bool>,
     #[serde(default)]
     sensitivities: bool,
     #[serde(default)]
@@ -177,12 +179,13 @@ fn grouped(read: PlanOfOne, places: Vec<Place>) -> Document {
         blocks,
         asked: Asked {
             // What ranks is computed.
-            diastole: read.diastole || criteria.as_ref().is_some_and(ranks_open),
+            diastole: read.diastole == Some(true) || criteria.as_ref().is_some_and(ranks_open),
             sensitivities: read.sensitivities,
             warm: read.warm,
             sampling: read.uncertainty.map(|keys| sampling(&keys).0),
             search: None,
         },
+        leaves_diastole: read.diastole.is_none() && criteria.is_none(),
         search: read.search,
         criteria,
     }

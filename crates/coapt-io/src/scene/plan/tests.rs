@@ -42,7 +42,10 @@ const RING: &str = "[[alternative.repair]]\nkind = \"ring\"\nfamily = \"saddle\"
 fn a_plan_without_alternatives_is_one() {
     let made = made("[[repair]]\nkind = \"ring\"\nfamily = \"saddle\"\nsize_mm = 28\n");
     assert_eq!(made.name, "p");
-    assert_eq!((names(&made), sizes(&made)), (vec!["ring"], vec![vec![28.0]]));
+    assert_eq!(
+        (names(&made), sizes(&made)),
+        (vec!["ring saddle 28"], vec![vec![28.0]])
+    );
     assert_eq!(made.keys, [["repair[0]"]]);
     assert_eq!(
         (made.criteria.as_ref(), made.ranked_by()),
@@ -81,7 +84,12 @@ fn common_lists_multiply_with_alternatives() {
     let made = made(text);
     assert_eq!(
         names(&made),
-        ["ring 28", "ring 30", "ring 28 + ring", "ring 30 + ring"]
+        [
+            "ring 28",
+            "ring 30",
+            "ring 28 + ring saddle 26",
+            "ring 30 + ring saddle 26"
+        ]
     );
     assert_eq!(
         sizes(&made),
@@ -120,6 +128,27 @@ fn ranges_count_to_their_end() {
     assert_eq!(sizes(&with("{ from = 28, to = 28, step = 1 }")), [[28.0]]);
 }
 
+/// A repair that is alone of its kind says all of itself; of two of a kind each says what tells it from the other.
+#[test]
+fn an_only_repair_of_its_kind_is_called_by_all_of_it() {
+    let alternative = |rest: &str| format!("[[alternative]]\n[[alternative.repair]]\n{rest}\n");
+    let clip = alternative("kind = \"clip\"\nsite = \"A2P2\"\nmodel = \"rigid\"");
+    let chord = "kind = \"neochord\"\nleaflet = \"posterior\"\nposition = 0.4\nlength_mm = 20";
+    let rings = [28, 30]
+        .map(|size| format!("[[alternative]]\n{RING}size_mm = {size}\n"))
+        .concat();
+    let made = made(&format!("{clip}{}{rings}", alternative(chord)));
+    assert_eq!(
+        names(&made),
+        [
+            "clip rigid A2P2",
+            "neochord posterior length_mm 20 position 0.4",
+            "ring 28",
+            "ring 30"
+        ]
+    );
+}
+
 /// A curve is a list by nature: one ring, not four.
 #[test]
 fn points_and_curves_are_no_lists_of_values() {
@@ -127,7 +156,7 @@ fn points_and_curves_are_no_lists_of_values() {
     let made = made(&format!(
         "[[alternative]]\n[[alternative.repair]]\nkind = \"ring\"\n{curve}"
     ));
-    assert_eq!(names(&made), ["ring"]);
+    assert_eq!(names(&made), ["ring curve_mm"]);
     let ring = keys_of(&made.alternatives[0].repairs[0]);
     assert_eq!(ring["curve_mm"].as_array().unwrap().len(), 4);
     // With one value of a wrong type it is a wrong curve, not a list of four.

@@ -37,10 +37,15 @@ fn the_page_of_plans_holds() {
     let limit = grouped(ALTERNATIVE_LIMIT as usize);
     assert!(page.contains(&format!("more than {limit} refused")));
     assert!(page.contains(&format!("lacks less of {COAPTATION_TARGET_MM} mm")));
-    assert!(page.contains(&format!("lacks less of {DIASTOLIC_TARGET_MM2} mm²")));
+    assert!(page.contains(&format!("halved from {DIASTOLIC_TARGET_MM2} mm²")));
+    assert!(flat.contains(&format!(
+        "meshes differ by {} mm²",
+        Criterion::DiastolicOrifice.noise()
+    )));
     for criterion in Criterion::ALL {
         let step = match criterion {
             Criterion::Strain => format!("{} %", 100.0 * criterion.noise()),
+            Criterion::DiastolicOrifice => criterion.bin_width().1.to_owned(),
             _ => format!("{} {}", criterion.noise(), criterion.unit()),
         };
         let start = format!("| `{}` |", criterion.name());
@@ -58,7 +63,7 @@ fn asked_for(page: &str, [open, unknown, goal, rates]: [&Alternatives; 4]) {
     } = Filling::default();
     assert!(page.contains(&format!("{stroke_volume_ml} mL in {filling_time_s} s")));
     assert!(open.asked.diastole && rates.asked.sensitivities && !unknown.asked.diastole);
-    assert_eq!(open.ranked_by().last(), Some(&Criterion::DiastolicOrifice));
+    assert_eq!(open.ranked_by()[1], Criterion::DiastolicOrifice);
     assert_eq!(unknown.asked.sampling, Some(Sampling::default()));
     let deviations = serde_json::to_value(Sampling::default().uncertainty).unwrap();
     for (key, value) in deviations.as_object().unwrap() {

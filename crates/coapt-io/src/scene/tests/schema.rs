@@ -87,9 +87,8 @@ fn with_alternatives(plan: Schema) -> Schema {
 /// What a plan asks for beside its alternatives.
 fn asked(properties: &mut Value) {
     properties["diastole"] = json!({
-        "description": "Whether each valve is also relaxed without pressure, for the orifice that it opens to.",
-        "type": "boolean",
-        "default": false
+        "description": "Whether each valve is also relaxed without pressure, for the orifice that it opens to; absent: where an alternative joins the leaflets edge to edge and the plan does not say what ranks.",
+        "type": "boolean"
     });
     properties["warm"] = json!({
         "description": "Whether alternatives that differ from an earlier one in their last repair alone begin at its closed shape.",

@@ -81,14 +81,14 @@ pub(super) fn fold_fault(parameters: &ValveParameters, surface: &Surface) -> Opt
 /// had faces that cross beyond mending; with 0.48 two had, with 0.5 five.
 const LARGEST_JITTER: f64 = 0.45;
 
-/// A fault where points are to be moved so far that no valve is left.
+/// A fault where points are to be moved so far that no valve is left, or by no distance.
 pub(super) fn jitter_fault(parameters: &ValveParameters, sheet: &Sheet) -> Option<Fault> {
     let length_mm = |[a, b]: [u32; 2]| (sheet.points_mm[a as usize] - sheet.points_mm[b as usize]).norm();
     let sides = sheet.faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     let edge_mm = sides.map(length_mm).sum::<f64>() / (3 * sheet.faces.len()) as f64;
     // To hundredths, down: the value that is told is taken.
     let most_mm = (LARGEST_JITTER * edge_mm * 100.0).floor() / 100.0;
-    (parameters.jitter_mm > most_mm).then(|| {
+    (!(0.0..=most_mm).contains(&parameters.jitter_mm)).then(|| {
         Fault::error(
             "jitter_mm",
             format!(
@@ -106,7 +106,6 @@ fn general_bounds(p: &ValveParameters) -> Vec<Bound> {
         &[
             ("face_count_target", f64::from(p.face_count_target), 100.0, 1e6),
             ("pressure_mmhg", p.pressure_mmhg, 0.0, LARGEST),
-            ("jitter_mm", p.jitter_mm, 0.0, LARGEST),
             (
                 "closed_shape.closure_line_fraction",
                 closed.closure_line_fraction,

@@ -343,6 +343,8 @@ fn as_much_jitter_as_is_told_still_makes_a_valve() {
             let faults = with(9.0, 0).expect_err("too much");
             assert_eq!((faults.len(), faults[0].place.as_str()), (1, "jitter_mm"));
             let words = &faults[0].message;
+            let back = with(-1.0, 0).expect_err("less than none");
+            assert_eq!(back[0].message, words.replace("is 9;", "is -1;"));
             let most = words
                 .split_once("from 0 to ")
                 .and_then(|(_, rest)| rest.split_once(','))

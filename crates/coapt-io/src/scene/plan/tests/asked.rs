@@ -25,6 +25,27 @@ fn a_plan_asks_for_more_than_closures() {
     assert_eq!(all.ranked_by(), Criterion::default_with(true));
 }
 
+/// Where leaflets are joined edge to edge the open valve ranks second, unless the plan says otherwise.
+#[test]
+fn a_plan_with_clips_asks_for_the_open_valve() {
+    let clip = "[[alternative]]\n[[alternative.repair]]\nkind = \"clip\"\nsite = \"A2P2\"\n";
+    let clipped = made(clip);
+    assert!(clipped.asked.diastole);
+    assert_eq!(
+        clipped.ranked_by()[..2],
+        [Criterion::Orifice, Criterion::DiastolicOrifice]
+    );
+    let ring = format!("[[alternative]]\n{RING}size_mm = 28\n");
+    for (plan, asks) in [
+        (format!("{ring}{clip}"), true),
+        (format!("diastole = false\n{clip}"), false),
+        (format!("{clip}[ranking]\ncriteria = [\"orifice\"]\n"), false),
+        (ring, false),
+    ] {
+        assert_eq!(made(&plan).asked.diastole, asks, "{plan}");
+    }
+}
+
 const GOAL: &str =
     "[search]\nkey = \"size_mm\"\nfrom = 36\nto = 24\ntolerance = 0.05\nmeasure = \"orifice\"\nat_most = 8\n";
 
@@ -77,7 +98,11 @@ fn wrong_wishes_are_told_with_their_lines() {
         ),
         (
             own.replace("0.05", "0"),
-            "p.toml:12: search.tolerance is 0; expected more than 0",
+            "p.toml:12: search.tolerance is 0; expected 0.000012 or more, a millionth of the range",
+        ),
+        (
+            own.replace("0.05", "1e-12"),
+            "p.toml:12: search.tolerance is 1e-12; expected 0.000012 or more, a millionth of the range",
         ),
         (
             own.replace("\"size_mm\"", "\"sizes_mm\""),
