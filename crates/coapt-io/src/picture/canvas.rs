@@ -79,8 +79,8 @@ impl Canvas {
     pub(super) fn line(&mut self, [from, to]: [Corner; 2], width: f32) {
         let along = [to.at[0] - from.at[0], to.at[1] - from.at[1]];
         let length = along[0].hypot(along[1]);
-        // Also what is not finite; nothing that is seen is so long.
-        if !(length <= 4.0 * (self.width + self.height) as f32) {
+        // Nothing that is seen is so long.
+        if !length.is_finite() || length > 4.0 * (self.width + self.height) as f32 {
             return;
         }
         let steps = (2.0 * length).ceil().max(1.0) as usize;
