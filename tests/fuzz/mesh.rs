@@ -33,7 +33,8 @@ pub fn mesh(bytes: &[u8]) {
     if let Ok((mesh, _)) = &read {
         check_mesh(mesh);
         write_and_read(mesh);
-        if bytes.len() % ONE_COMPARED_IN == 0 && mesh.triangles.len().max(mesh.points.len()) <= MOST_COMPARED
+        if bytes.len().is_multiple_of(ONE_COMPARED_IN)
+            && mesh.triangles.len().max(mesh.points.len()) <= MOST_COMPARED
         {
             compare_with_itself(&file);
         }
