@@ -53,6 +53,11 @@ fn end(preset: Preset, row: &str) -> End {
             "two large leaflets that nothing holds but the annulus, under a load that follows them: no balance of forces was \
              found, at a quarter of the load neither, and there may be none",
         ),
+        (_, "1000000 mmHg") => End::Uncertified(
+            &[Status::Burst, Status::IterationLimit, Status::Stalled],
+            "there is no balance either; what matters is that nothing passes through anything on the way, which from one of these \
+             starts it did while rounding was let eat what separates two edges",
+        ),
         (_, "20000 mmHg" | "as soft beyond the knee as below") => End::Uncertified(
             &[Status::Burst],
             "there is no balance: the valve grows without end, and is left where it is five times as large as it was",

@@ -25,7 +25,7 @@ pub(super) type Row = (&'static str, &'static str, Deed, &'static [Preset]);
 const ALL: &[Preset] = &Preset::ALL;
 const HEALTHY: &[Preset] = &[Preset::Healthy];
 
-pub(super) const ROWS: [Row; 31] = [
+pub(super) const ROWS: [Row; 32] = [
     ("base", "nothing", Deed::Scene(|_| {}), ALL),
     (
         "slivers",
@@ -98,6 +98,12 @@ pub(super) const ROWS: [Row; 31] = [
         "20000 mmHg",
         "more than any tissue bears",
         Deed::Scene(|scene| scene.load = Load::mmhg(20_000.0)),
+        HEALTHY,
+    ),
+    (
+        "1000000 mmHg",
+        "blown up within a few steps, until long edges are pressed on each other",
+        Deed::Scene(|scene| scene.load = Load::mmhg(1e6)),
         HEALTHY,
     ),
     (
