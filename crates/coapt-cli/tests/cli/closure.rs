@@ -2,9 +2,15 @@
 
 use std::path::Path;
 
+use coapt::model::Model;
+use coapt::plan::apply_all;
+use coapt::relax::relax;
+use coapt::state::State;
+use coapt_io::report::{Closed, Closure, Report, write_results};
+use coapt_io::scene::{alternative_from_text, read_scene, scene_file};
 use serde_json::Value;
 
-use crate::program::{Folder, coapt, status, stderr, stdout};
+use crate::program::{Folder, coapt, snapshot, status, stderr, stdout};
 
 fn replace(file: &Path, from: &str, to: &str) {
     let text = std::fs::read_to_string(file).unwrap();
@@ -24,6 +30,71 @@ fn closure_alone_closes_the_healthy_valve() {
     assert!(text.contains("\nCERTIFIED"), "{text}");
     assert!(text.ends_with("research use, not a medical device\n"), "{text}");
     assert!(output.stderr.is_empty(), "{}", stderr(&output));
+}
+
+/// The program adds nothing to the library: the same bytes in every file, but for wall-clock times. `python/tests/test_program.py`
+/// holds the package against the program with the same cases.
+#[test]
+fn program_and_library_write_the_same_bytes() {
+    let clip = "kind = \"clip\"\nsite = \"A2P2\"\nsize = \"long\"\n";
+    let ring =
+        "kind = \"ring\"\nfamily = \"physio-like\"\nsize_mm = 30\nattachment = \"sutures\"\nsutures = 14\n";
+    let rupture = "kind = \"rupture\"\nregion = \"P2\"\n";
+    let neochord = "kind = \"neochord\"\nleaflet = \"posterior\"\nsite = \"A2P2\"\nstrands = 2\n";
+    let folder = Folder::new("library");
+    let cases: [(&str, &[&str]); 4] = [
+        ("healthy", &[]),
+        ("flail", &[clip]),
+        ("dilated", &[ring]),
+        ("barlow", &[rupture, neochord]),
+    ];
+    for (preset, repairs) in cases {
+        let valve = folder.preset(preset, preset, &[]);
+        let blocks = repairs.iter().map(|repair| format!("[[repair]]\n{repair}"));
+        let text = format!("schema_version = 1\n{}", blocks.collect::<String>());
+        let plan = folder.file("plan.toml", &text);
+        let by_program = folder.path(&format!("{preset}-by-program"));
+        let mut arguments = vec!["closure", &valve, "--out", &by_program];
+        if !repairs.is_empty() {
+            arguments.extend(["--plan", &plan]);
+        }
+        assert_eq!(status(&arguments), Some(0), "{preset}");
+        let by_library = folder.path(&format!("{preset}-by-library"));
+        write_by_library(
+            &valve,
+            (!repairs.is_empty()).then_some(text.as_str()),
+            &by_library,
+        );
+        let files = [&by_program, &by_library].map(|folder| snapshot(Path::new(folder)));
+        assert!(files[0].len() > 3 && files[0] == files[1], "{preset}");
+    }
+}
+
+/// What `coapt closure` does, in calls of the library.
+fn write_by_library(valve: &str, plan: Option<&str>, folder: &str) {
+    let (scene, _) = read_scene(&scene_file(Path::new(valve))).unwrap();
+    let built = Model::build(&scene).unwrap();
+    let closed = |model: Model| Closed {
+        equilibrium: relax(&model, &State::open(&model)),
+        model,
+        wall_ms: 0.0,
+    };
+    let mut closure = Closure {
+        before: closed(built.model.clone()),
+        after: None,
+        repairs: Vec::new(),
+        warnings: built.warnings,
+        untangled: built.untangled,
+        chordae_left_out: built.chordae_left_out,
+    };
+    if let Some(text) = plan {
+        let (plan, warnings) = alternative_from_text(Path::new("plan.toml"), text).unwrap();
+        let applied = apply_all(&built.model, &plan.alternatives[0].repairs).unwrap();
+        assert!(warnings.is_empty() && applied.warnings.is_empty());
+        closure.after = Some(closed(applied.model));
+        closure.repairs = applied.reports;
+    }
+    write_results(Path::new(folder), &closure, &Report::new(&closure)).unwrap();
 }
 
 #[test]

@@ -22,7 +22,7 @@ use coapt::measure::{Measures, ValveFrame, valve_frame};
 use coapt::model::Model;
 use coapt::plan::{Alternative, Comparison, Criterion, Outcome};
 use coapt::relax::Status;
-use coapt::scene::{Fault, MMHG_MPA, Repair};
+use coapt::scene::{Contact, Fault, MMHG_MPA, Repair, Settings};
 use serde::Serialize;
 
 use crate::report::{MeshSize, NOTICE};
@@ -56,6 +56,10 @@ pub struct PlanReport {
     pub pressure_mmhg: f64,
     /// Size of the model before any repair.
     pub mesh: MeshSize,
+    /// How the equilibrium was sought.
+    pub settings: Settings,
+    /// How leaflets touch.
+    pub contact: Contact,
     /// Which way is which in the valve closed before any repair; absent where its shape was not kept.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<ValveFrame>,
@@ -227,6 +231,8 @@ impl PlanReport {
                 faces: model.faces.len(),
                 chords: model.chords.ends.len(),
             },
+            settings: model.settings,
+            contact: model.contact,
             frame: frame(model, comparison),
             ranking: criteria.into_iter().map(ranking).collect(),
             before: closed(&comparison.before),

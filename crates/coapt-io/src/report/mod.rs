@@ -9,7 +9,7 @@ use coapt::measure::{self, Measures, ValveFrame, valve_frame};
 use coapt::model::{LeftOut, Model, Untangled};
 use coapt::relax::{Equilibrium, Status};
 use coapt::repair;
-use coapt::scene::{Fault, MMHG_MPA};
+use coapt::scene::{Contact, Fault, MMHG_MPA, Settings};
 use serde::{Deserialize, Serialize};
 
 pub(crate) use repairs::repair_line;
@@ -71,6 +71,10 @@ pub struct Report {
     pub pressure_mmhg: f64,
     /// Size of the model.
     pub mesh: MeshSize,
+    /// How the equilibrium was sought.
+    pub settings: Settings,
+    /// How leaflets touch.
+    pub contact: Contact,
     /// Which way is which in the valve closed without the plan; absent where the annulus has no plane.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<ValveFrame>,
@@ -177,6 +181,8 @@ impl Report {
                 faces: model.faces.len(),
                 chords: model.chords.ends.len(),
             },
+            settings: model.settings,
+            contact: model.contact,
             frame: valve_frame(model, &closure.before.equilibrium.state.positions_mm),
             untangled: closure.untangled.as_ref().map(untangled_report),
             chordae_left_out: closure.chordae_left_out.iter().map(left_out_report).collect(),
