@@ -184,7 +184,7 @@ def test_plans_rank_their_alternatives(tmp_path):
     fresh = valve.with_repair(coapt.Ring.physio_like(best["repairs"][0]["size_mm"])).close()
     assert done.positions_mm[0].tobytes() == fresh.positions_mm.tobytes()
     done.write(tmp_path)
-    assert (tmp_path / "plan.csv").exists() and len(list((tmp_path / "shapes").glob("*.vtp"))) == 6
+    assert (tmp_path / "plan.csv").exists() and len(list((tmp_path / "shapes").glob("*.vtp"))) == 8
     with pytest.raises(coapt.InputError, match="did you mean `ring`"):
         coapt.plan(valve, {"repair": [{"kind": "rign"}]})
     with pytest.raises(coapt.InputError, match="out of range"):
@@ -251,3 +251,10 @@ def test_examples_in_the_documentation_hold():
     results = [doctest.testmod(importlib.import_module(name)) for name in names]
     assert sum(result.failed for result in results) == 0
     assert sum(result.attempted for result in results) > 5
+
+
+def test_what_is_no_repair_is_told():
+    valve = coapt.generate("dilated", faces=FACES)
+    for work in (lambda: valve.with_repair("ring"), lambda: coapt.plan(valve, [1]), lambda: valve.interactive().set("ring")):
+        with pytest.raises(coapt.InputError, match=r"repair\[0\]: is .*; expected a repair"):
+            work()

@@ -15,7 +15,7 @@ use coapt_io::report::{Closed, Closure, Report, text, write_results};
 use coapt_io::scene::{alternative_from_text, located, read_text, sentence};
 
 use crate::case::{self, SizeLimit};
-use crate::film::{FilmArguments, Scenery};
+use crate::film::{FilmArguments, Scenery, is_no_folder};
 use crate::interrupt::close_watched;
 use crate::output::{Failure, Verdict, print, say};
 
@@ -96,6 +96,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     };
     let built = case::build(&case)?;
     arguments.film.prepare()?;
+    if let Some(path) = &arguments.picture {
+        is_no_folder("--picture", path)?;
+    }
     let (closure, report, films) = on_threads(arguments.threads, || {
         let closure = close(built, plan.as_ref())?;
         let report = Report::new(&closure);

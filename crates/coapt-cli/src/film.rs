@@ -1,12 +1,13 @@
 //! Films of closing valves, for the verbs that close them: `--record`, `--sequence`, `--glb`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, value_parser};
 use coapt::film::{FRAMES, Film, film_watched};
 use coapt::model::Model;
 use coapt::relax::Equilibrium;
 use coapt::repair;
+use coapt::scene::Fault;
 use coapt_io::atomic::make_folder;
 use coapt_io::record::{
     FRAME_LIMIT, Filmed, Source, layout_path, write_glb, write_recording, write_sequence,
@@ -37,6 +38,18 @@ pub(crate) struct FilmArguments {
     frames: u32,
 }
 
+/// Sees that a file can have a name: before minutes of work, not after.
+pub(crate) fn is_no_folder(option: &str, file: &Path) -> Result<(), Failure> {
+    match file.is_dir() {
+        true => Err(vec![Fault::error(
+            option,
+            format!("{} is a folder; expected the name of a file", file.display()),
+        )]
+        .into()),
+        false => Ok(()),
+    }
+}
+
 /// A closed valve to be filmed, and what repairs did to it.
 #[derive(Clone, Copy)]
 pub(crate) struct Scenery<'a> {
@@ -61,6 +74,10 @@ pub(crate) type Films = (Film, Option<Film>);
 impl FilmArguments {
     /// Sees that there is a folder to write to: before minutes of work, not after.
     pub(crate) fn prepare(&self) -> Result<(), Failure> {
+        for (option, file) in [("--record", &self.record), ("--glb", &self.glb)] {
+            file.as_deref()
+                .map_or(Ok(()), |file| is_no_folder(option, file))?;
+        }
         let files = [&self.record, &self.glb].into_iter().flatten();
         let parents = files.filter_map(|file| file.parent().filter(|folder| !folder.as_os_str().is_empty()));
         let mut folders = parents.chain(self.sequence.as_deref());

@@ -6,7 +6,7 @@ use clap::Args;
 use coapt_io::atomic::write_text_atomically;
 use coapt_io::page::{RECORDING, add_film, page_html, read_page};
 
-use crate::output::{Failure, Verdict, say};
+use crate::output::{Failure, Verdict, say, tell};
 
 /// What `coapt report` understands.
 #[derive(Debug, Args)]
@@ -27,9 +27,17 @@ pub(crate) struct Arguments {
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let mut page = read_page(&arguments.result, arguments.most)?;
-    let beside = Some(arguments.result.join(RECORDING)).filter(|path| path.is_file());
-    if let Some(recording) = arguments.recording.as_ref().or(beside.as_ref()) {
-        add_film(&mut page, recording)?;
+    let beside = arguments.result.join(RECORDING);
+    match &arguments.recording {
+        Some(recording) => add_film(&mut page, recording)?,
+        // Nobody asked for it: it may be of an earlier run.
+        None if beside.is_file() => {
+            if let Err(faults) = add_film(&mut page, &beside) {
+                tell(&faults);
+                say("the page is made without a film");
+            }
+        }
+        None => {}
     }
     let html = page_html(&page).map_err(Failure::Outside)?;
     write_text_atomically(&arguments.out, html.as_bytes()).map_err(Failure::Outside)?;

@@ -198,6 +198,17 @@ pub fn write_text_atomically(path: &Path, bytes: &[u8]) -> std::result::Result<(
     batch.finish()
 }
 
+/// Files that the [`LIST`] of a folder has otherwise: those of another run, or changed since. None where there is no list.
+pub fn files_of_other_runs(folder: &Path) -> Vec<String> {
+    let list = std::fs::read_to_string(folder.join(LIST)).unwrap_or_default();
+    let lines = list.lines().filter_map(|line| line.split_once("  "));
+    let is_other = |(sum, name): &(&str, &str)| {
+        let bytes = std::fs::read(folder.join(name));
+        bytes.map_or(true, |bytes| checksum(&bytes) != *sum)
+    };
+    lines.filter(is_other).map(|(_, name)| name.to_owned()).collect()
+}
+
 /// As 64 hexadecimal digits.
 fn checksum(bytes: &[u8]) -> String {
     Sha256::digest(bytes)

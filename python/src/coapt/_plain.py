@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from typing import TYPE_CHECKING, ClassVar, TypeAlias, Union
+from typing import TYPE_CHECKING, ClassVar, TypeAlias, Union, cast
 
 import numpy as np
 from numpy.typing import NDArray
+
+from coapt._errors import Fault, InputError
 
 if TYPE_CHECKING:
     # Of every type checker; Python itself has it from 3.11 on.
@@ -68,3 +70,21 @@ class PlainData:
 def _frozen(value: Curve | Vector) -> tuple[float | tuple[float, ...], ...]:
     rows = value.tolist() if isinstance(value, np.ndarray) else value
     return tuple(tuple(row) if isinstance(row, (Sequence, np.ndarray)) else row for row in rows)
+
+
+def keys_of_repairs(given: Sequence[object]) -> list[dict[str, Value]]:
+    """Repairs as plans hold them.
+
+    Raises
+    ------
+    InputError
+        What is no repair.
+    """
+    wrong = [
+        Fault(f"repair[{number}]", f"is {repair!r}; expected a repair, such as coapt.Ring.physio_like(30)")
+        for number, repair in enumerate(given)
+        if not isinstance(repair, PlainData) or repair._TAG is None
+    ]
+    if wrong:
+        raise InputError(wrong)
+    return [cast(PlainData, repair).to_dict() for repair in given]

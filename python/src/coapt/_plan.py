@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias, Union, cast, final
 
 import coapt._coapt as _core
 from coapt._arrays import FloatArray
-from coapt._plain import Json, Value
+from coapt._plain import Json, Value, keys_of_repairs
 from coapt._repairs import Repair
 from coapt._result import Result
 from coapt._valve import SCHEMA_VERSION, Valve
@@ -109,5 +109,5 @@ def _keys(alternatives: Mapping[str, Value] | Sequence[Repairs]) -> dict[str, Va
     if isinstance(alternatives, Mapping):
         return {"schema_version": SCHEMA_VERSION, **alternatives}
     each = [[it] if not isinstance(it, Sequence) else list(it) for it in alternatives]
-    blocks = [{"repair": [repair.to_dict() for repair in repairs]} for repairs in each]
+    blocks = [{"repair": keys_of_repairs(repairs)} for repairs in each]
     return {"schema_version": SCHEMA_VERSION, "alternative": cast("list[Value]", blocks)}

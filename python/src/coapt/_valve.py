@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal, cast, final
 import coapt._coapt as _core
 from coapt._arrays import FloatArray, GivenIndices, IndexArray
 from coapt._errors import Fault, fault_of
-from coapt._plain import Json, PlainData, Value
+from coapt._plain import Json, PlainData, Value, keys_of_repairs
 from coapt._repairs import Repair
 from coapt._settings import Contact, Landmarks, Settings, Weld
 from coapt._tissue import ChordLaw, Tissue
@@ -282,7 +282,7 @@ class Valve:
         InputError
             Why a repair cannot be carried out.
         """
-        return Valve._of(self._native.with_repairs([repair.to_dict() for repair in repairs]))
+        return Valve._of(self._native.with_repairs(keys_of_repairs(repairs)))
 
     def with_pressure(self, pressure_mmhg: float) -> Valve:
         """The same valve under another transvalvular pressure [mmHg].

@@ -144,9 +144,11 @@ fn choices(page: &Page) -> String {
 
 /// `1.`, or why it has no place.
 fn place(state: &PageState) -> String {
-    match state.rank {
-        Some(rank) => format!("{rank}."),
-        None => "not certified:".to_owned(),
+    match (state.rank, state.certificate.certified) {
+        (Some(rank), _) => format!("{rank}."),
+        (None, true) if state.only_takes_chordae => "no repair:".to_owned(),
+        (None, true) => "not ranked:".to_owned(),
+        (None, false) => "not certified:".to_owned(),
     }
 }
 
@@ -227,10 +229,11 @@ const fn column(heading: &'static str, path: &'static str, digits: usize) -> Col
     }
 }
 
-const COLUMNS: [Column; 8] = [
+const COLUMNS: [Column; 9] = [
     column("orifice [mm²]", "/orifice/area_mm2", 1),
     column("widest gap [mm]", "/orifice/max_gap_mm", 1),
-    column("coaptation, mean [mm]", "/coaptation/length_mean_mm", 1),
+    column("coaptation at A2-P2 [mm]", "/coaptation/length_a2p2_mm", 1),
+    column("mean coaptation [mm]", "/coaptation/length_mean_mm", 1),
     column("contact [mm²]", "/coaptation/area_mm2", 0),
     column("tenting [mm]", "/tenting/height_mm", 1),
     column("largest chord force [N]", "/chords/max_force_n", 2),
@@ -257,7 +260,13 @@ fn alternatives(page: &Page) -> String {
         "<section class=\"alternatives\" aria-label=\"Alternatives\">\n<h2>Alternatives, the best first</h2>\n<p class=\"words\">",
     );
     out += &ranked_by(&page.report);
-    out += " Choose a row to see it above.</p>\n<div class=\"scroll\"><table>\n<thead><tr><th>rank</th><th class=\"name\">what is done</th>";
+    let _ = write!(
+        out,
+        " Choose a row to see it above: the first {} have shapes on this page.",
+        page.states.len() - 1
+    );
+    out +=
+        "</p>\n<div class=\"scroll\"><table>\n<thead><tr><th>rank</th><th class=\"name\">what is done</th>";
     for column in &columns {
         let _ = write!(out, "<th>{}</th>", column.heading);
     }
@@ -266,10 +275,12 @@ fn alternatives(page: &Page) -> String {
     // Shapes were taken in the order of the rows.
     let mut shapes = 1..page.states.len();
     for row in rows {
-        let rank = match (row["rank"].as_u64(), row["solve"].is_object()) {
+        let certified = row["solve"]["certified"].as_bool();
+        let rank = match (row["rank"].as_u64(), certified) {
             (Some(rank), _) => rank.to_string(),
-            (None, true) => "not certified".to_owned(),
-            (None, false) => "not possible".to_owned(),
+            (None, Some(true)) => "no repair: it only takes chordae away".to_owned(),
+            (None, Some(false)) => "not certified".to_owned(),
+            (None, None) => "refused".to_owned(),
         };
         let chosen = row["solve"].is_object().then(|| shapes.next()).flatten();
         let chosen = chosen.map_or(String::new(), |number| {
@@ -309,15 +320,27 @@ fn ranked_by(report: &Value) -> String {
     let criteria = report["ranking"].as_array().into_iter().flatten();
     let told: Vec<String> = criteria
         .map(|criterion| {
-            let name = criterion["criterion"].as_str().unwrap_or("?").replace('_', " ");
+            let name = readable_criterion(criterion["criterion"].as_str().unwrap_or("?"));
             let unit = criterion["unit"].as_str().unwrap_or("");
             format!("{name} (in steps of {} {unit})", criterion["bin"])
         })
         .collect();
     word(&format!(
-        "Ranked by {}; what is not certified is not ranked.",
+        "Ranked by {}; what is not certified is not ranked. The open orifice is that of the leaflets without pressure, annulus and \
+         tips as in systole: it compares repairs, and is no mitral valve area.",
         told.join(", then ")
     ))
+}
+
+/// A criterion as the columns call it.
+fn readable_criterion(name: &str) -> String {
+    match name {
+        "diastolic_orifice" => "open orifice".to_owned(),
+        "coaptation_length_a2p2" => "coaptation at A2-P2".to_owned(),
+        "coaptation_length" => "mean coaptation".to_owned(),
+        "chord_force" => "largest chord force".to_owned(),
+        other => other.replace('_', " "),
+    }
 }
 
 fn trust(page: &Page) -> String {
@@ -326,9 +349,18 @@ fn trust(page: &Page) -> String {
     let repairs = page.report["repairs"].as_array().into_iter().flatten();
     let repairs = repairs.filter_map(|repair| RepairReport::deserialize(repair).ok());
     out += &told("What was done", repairs.map(|repair| repair_line(&repair)));
-    let warnings = page.report["warnings"].as_array().into_iter().flatten();
-    let warnings = warnings.filter_map(|text| text.as_str().map(str::to_owned));
-    out + &told("Doubts about the input", warnings)
+    if page.plan.is_some() {
+        out += "<p class=\"words\">What the plan was asked for beyond closures (gradients, ensembles, rates, a search) stands in the whole \
+                result below, and in what <code>coapt plan</code> prints.</p>\n";
+    }
+    let of_alternatives = page.report["alternatives"].as_array().into_iter().flatten();
+    let warnings = std::iter::once(&page.report)
+        .chain(of_alternatives)
+        .filter_map(|told| told["warnings"].as_array());
+    let warnings = warnings
+        .flatten()
+        .filter_map(|text| text.as_str().map(str::to_owned));
+    out + &told("Doubts", warnings)
 }
 
 fn told(heading: &str, lines: impl Iterator<Item = String>) -> String {

@@ -53,6 +53,8 @@ pub struct PageState {
     pub name: String,
     /// Its place among the alternatives of a plan; none for the valve as it is, for a single repair and for what is not certified.
     pub rank: Option<u64>,
+    /// Whether it only takes chordae away, which is no repair and has no place.
+    pub only_takes_chordae: bool,
     /// How far it can be trusted.
     pub certificate: Certificate,
     /// Names of the groups of its chords; empty where they are not known.

@@ -10,6 +10,7 @@ use serde_json::Value;
 use super::film::page_films;
 use super::geometry::{Chords, Geometry, curve};
 use super::{Page, PageState, Seals};
+use crate::atomic::{LIST, files_of_other_runs};
 use crate::mesh::{PolyData, read_mesh};
 use crate::record::RecordedFilm;
 use crate::report::{TableRow, rows_of};
@@ -62,16 +63,27 @@ pub fn add_film(page: &mut Page, path: &Path) -> Result<(), Vec<Fault>> {
 /// All faults of a file that is missing, broken or was written by an earlier version.
 pub fn read_page(folder: &Path, most_alternatives: usize) -> Result<Page, Vec<Fault>> {
     let [closure, plan] = ["report.json", "plan.json"].map(|name| folder.join(name));
-    match (closure.is_file(), plan.is_file()) {
+    let page = match (closure.is_file(), plan.is_file()) {
         (true, false) => read_closure(folder, &closure),
         (false, true) => read_plan(folder, &plan, most_alternatives),
         (true, true) => Err(fault(
             folder,
-            "holds report.json and plan.json; expected one of them: write results into folders of their own",
+            "holds report.json and plan.json; expected one of them: remove the older one, and write results into folders of their own",
         )),
         (false, false) => Err(fault(
             folder,
             "holds no results; expected the folder of `coapt closure --out` or of `coapt plan --out --shapes`",
+        )),
+    }?;
+    // Shapes and numbers of two runs would make a page that nothing ever closed to.
+    match &files_of_other_runs(folder)[..] {
+        [] => Ok(page),
+        [first, rest @ ..] => Err(fault(
+            &folder.join(first),
+            format!(
+                "is not the file that {LIST} lists, nor are {} more: they are of another run or were changed; write the results again",
+                rest.len()
+            ),
         )),
     }
 }
@@ -92,6 +104,7 @@ fn read_closure(folder: &Path, path: &Path) -> Result<Page, Vec<Fault>> {
         Ok(PageState {
             name: name.to_owned(),
             rank: None,
+            only_takes_chordae: false,
             certificate,
             chord_groups: parsed(path, &format!("{key}.chord_groups"), &told["chord_groups"])?,
             geometry,
@@ -124,20 +137,28 @@ fn read_plan(folder: &Path, path: &Path, most_alternatives: usize) -> Result<Pag
     })?;
     let state = |number: u64, name: &str, told: &Value| -> Result<PageState, Vec<Fault>> {
         let begins = format!("{number:04}_");
-        let named = |path: &&PathBuf, chords: bool| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            name.starts_with(&begins) && name.ends_with("_chords.vtp") == chords
+        // Names of alternatives have no underscore in files.
+        let named = |ending: &str| {
+            files.iter().find(|path| {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                let rest = name.strip_prefix(&begins);
+                rest.is_some_and(|rest| rest.split_once('_').map_or("", |(_, last)| last) == ending)
+            })
         };
-        let shape = files.iter().find(|path| named(path, false));
+        let shape = named("");
         let shape =
             shape.ok_or_else(|| fault(&shapes, format!("has no shape of number {number}, {name}")))?;
         let mut geometry = read_valve(shape)?;
-        if let Some(chords) = files.iter().find(|path| named(path, true)) {
+        if let Some(chords) = named("chords.vtp") {
             geometry.chords = read_chords(chords, None)?;
+        }
+        if let Some(ring) = named("ring.vtp") {
+            geometry.rings = vec![curve(&read_surface(ring)?)];
         }
         Ok(PageState {
             name: name.to_owned(),
             rank: told["rank"].as_u64(),
+            only_takes_chordae: told["only_takes_chordae"].as_bool().unwrap_or(false),
             certificate: parsed(path, &format!("solve of {name}"), &told["solve"])?,
             chord_groups: group_names(&report["before"], told),
             geometry,

@@ -107,6 +107,13 @@ fn wrong_folders_are_told() {
     assert!(told(&folder.path().join("nowhere")).contains("holds no results"));
     results(folder.path());
     let path = folder.path().join("after/closed.vtp");
+    fs::copy(folder.path().join("before/closed.vtp"), &path).unwrap();
+    let words = told(folder.path());
+    assert!(
+        words.contains("after/closed.vtp: is not the file that SHA256SUMS lists, nor are 0 more"),
+        "{words}"
+    );
+    results(folder.path());
     let (mut surface, _) = crate::mesh::read_mesh(&path).unwrap();
     surface.point_arrays.retain(|array| array.name != "strain");
     crate::mesh::write_vtp(&path, &surface).unwrap();

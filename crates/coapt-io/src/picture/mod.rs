@@ -7,13 +7,12 @@ mod view;
 use std::path::Path;
 
 use coapt::measure::{ValveFrame, valve_frame};
-use coapt::repair;
 use coapt::scene::Fault;
 use png::{BitDepth, ColorType, Encoder};
 
 use crate::atomic::Batch;
-use crate::page::geometry::{Chords, Floats, Geometry, curve};
-use crate::report::{Closed, Closure, NOTICE, closed_surface, loaded_chords, polyline};
+use crate::page::geometry::{Chords, Geometry, curve};
+use crate::report::{Closed, Closure, NOTICE, closed_surface, loaded_chords, ring_curves};
 use canvas::{Canvas, INK, LETTER_WIDTH};
 use colours::{Colouring, UNCERTIFIED};
 use view::{Direction, drawn};
@@ -75,7 +74,7 @@ pub fn write_closure_picture(path: &Path, closure: &Closure, quantity: Quantity)
     let geometries = states.iter().map(|(_, closed)| geometry(closed));
     let mut geometries: Vec<Geometry> = geometries.collect::<Result<_, _>>().map_err(fault)?;
     if let (Some(last), Some(_)) = (geometries.last_mut(), &closure.after) {
-        last.rings = rings(&closure.repairs);
+        last.rings = ring_curves(&closure.repairs).iter().map(curve).collect();
     }
     let shown = states
         .iter()
@@ -103,14 +102,6 @@ fn geometry(closed: &Closed) -> Result<Geometry, String> {
     Ok(geometry)
 }
 
-fn rings(repairs: &[repair::Report]) -> Vec<Floats> {
-    let rings = repairs.iter().filter_map(|report| match report {
-        repair::Report::Ring(ring) => Some(curve(&polyline(&ring.curve_mm, ring.closed))),
-        _ => None,
-    });
-    rings.collect()
-}
-
 fn composed(frame: &ValveFrame, valves: &[Shown], quantity: Quantity) -> Canvas {
     let [width, height] = VIEW;
     let geometries = valves.iter().map(|valve| valve.geometry);
@@ -130,7 +121,10 @@ fn composed(frame: &ValveFrame, valves: &[Shown], quantity: Quantity) -> Canvas 
             true => ("certified", INK),
             false => ("NOT CERTIFIED: no prediction", UNCERTIFIED),
         };
-        whole.words([8, top + 8], &format!("{}: {trust}", valve.name), colour);
+        // What is trusted must be seen whole; the name need not.
+        let room = (width - 16) / LETTER_WIDTH - trust.len() - 2;
+        let name: String = valve.name.chars().take(room).collect();
+        whole.words([8, top + 8], &format!("{name}: {trust}"), colour);
         whole.words([width + 8, top + 8], "from the side, aorta right", INK);
     }
     foot(&mut whole, &colouring, reach_mm);

@@ -5,11 +5,13 @@ use std::path::{Path, PathBuf};
 use coapt::Vec3;
 use coapt::model::Model;
 use coapt::plan::{Comparison, apply_all};
+use coapt::repair::Report;
 use coapt::scene::Fault;
 
 use super::{PlanReport, csv, long_csv, units_csv};
 use crate::atomic::{Batch, make_folder};
-use crate::report::{stage_closed_chords, stage_closed_surface};
+use crate::mesh::stage_vtp;
+use crate::report::{ring_curves, stage_closed_chords, stage_closed_surface};
 use crate::scene::Alternatives;
 
 /// Folder of the closed shapes.
@@ -62,7 +64,7 @@ fn stage_shapes(
     comparison: &Comparison,
 ) -> Result<Vec<PathBuf>, Fault> {
     let mut written = Vec::new();
-    let mut stage = |number: usize, name: &str, model: &Model, positions_mm: &[Vec3]| {
+    let mut stage = |number: usize, name: &str, model: &Model, positions_mm: &[Vec3], reports: &[Report]| {
         if positions_mm.is_empty() {
             return Ok(());
         }
@@ -75,16 +77,29 @@ fn stage_shapes(
             stage_closed_chords(batch, &chords, model, positions_mm)?;
             written.push(chords);
         }
+        // There is one at most.
+        for curve in ring_curves(reports) {
+            let ring = folder.join(SHAPES).join(file_name(number, name, "_ring.vtp"));
+            stage_vtp(batch, &ring, &curve)?;
+            written.push(ring);
+        }
         Ok(())
     };
-    stage(0, "before", model, &comparison.before.positions_mm)?;
+    stage(0, "before", model, &comparison.before.positions_mm, &[])?;
     for row in &comparison.rows {
         let alternative = &plan.alternatives[row.alternative];
         let Ok(outcome) = &row.result else { continue };
         // Models of thousands of alternatives were not kept; to make one is nothing beside writing its shape.
         if let Ok(applied) = apply_all(model, &alternative.repairs) {
             let name = &alternative.name;
-            stage(row.alternative + 1, name, &applied.model, &outcome.positions_mm)?;
+            let positions_mm = &outcome.positions_mm;
+            stage(
+                row.alternative + 1,
+                name,
+                &applied.model,
+                positions_mm,
+                &applied.reports,
+            )?;
         }
     }
     Ok(written)

@@ -5,7 +5,7 @@
 //! | `plan.json` | everything |
 //! | `plan.csv` | a line per alternative, a column per measure |
 //! | `plan_long.csv`, `plan_units.csv` | a line per measure of a certified closure, in the long layout of `SlicerHeart`'s batch export, with its table of units |
-//! | `shapes/NUMBER_NAME.vtp`, `shapes/NUMBER_NAME_chords.vtp` | the closed leaflets of each alternative, and its chords, where asked for |
+//! | `shapes/NUMBER_NAME.vtp`, `..._chords.vtp`, `..._ring.vtp` | the closed leaflets of each alternative, its chords and its ring, where asked for |
 
 mod below;
 mod carry_out;

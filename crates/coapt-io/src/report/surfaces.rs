@@ -53,19 +53,12 @@ pub fn stage_results(
     remove_valve(batch, folder);
     stage_valve(batch, &folder.join("before"), &closure.before)?;
     stage_valve(batch, &folder.join("after"), after)?;
-    for (number, report) in closure.repairs.iter().enumerate() {
-        let repair::Report::Ring(ring) = report else {
-            continue;
-        };
+    for (number, curve) in ring_curves(&closure.repairs).iter().enumerate() {
         let name = match number {
             0 => "ring.vtp".to_owned(),
             _ => format!("ring_{}.vtp", number + 1),
         };
-        stage_vtp(
-            batch,
-            &folder.join("after").join(name),
-            &polyline(&ring.curve_mm, ring.closed),
-        )?;
+        stage_vtp(batch, &folder.join("after").join(name), curve)?;
     }
     Ok(())
 }
@@ -223,7 +216,16 @@ fn chords(model: &Model, positions_mm: &[Vec3]) -> PolyData {
     }
 }
 
-pub(crate) fn polyline(points: &[Vec3], closed: bool) -> PolyData {
+/// What `ring.vtp` holds, of each ring.
+pub(crate) fn ring_curves(reports: &[repair::Report]) -> Vec<PolyData> {
+    let rings = reports.iter().filter_map(|report| match report {
+        repair::Report::Ring(ring) => Some(polyline(&ring.curve_mm, ring.closed)),
+        _ => None,
+    });
+    rings.collect()
+}
+
+fn polyline(points: &[Vec3], closed: bool) -> PolyData {
     let count = points.len() as u32;
     let mut lines: Vec<[u32; 2]> = (1..count).map(|end| [end - 1, end]).collect();
     if closed && count > 2 {

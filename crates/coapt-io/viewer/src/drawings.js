@@ -95,12 +95,10 @@ export function drawForces(svg, chords, groupNames, largest_n) {
       const colour = css(force > 0 ? colourAt("viridis", force / largest_n) : SLACK_COLOUR);
       svg.append(element("line", { x1: across(force), x2: across(force), y1: y + 3, y2: y + row - 3, stroke: colour, "stroke-width": 2.5 }));
     }
-    svg.append(element("text", { x: width - 54, y: y + 13 }, `${shortNumber(of.reduce((sum, force) => sum + force, 0))} N`));
   });
   for (const share of [0, 0.25, 0.5, 0.75, 1]) {
     svg.append(element("text", { x: across(share * largest_n), y: height - 8, "text-anchor": "middle" }, shortNumber(share * largest_n)));
   }
-  svg.append(element("text", { x: width - 54, y: height - 8 }, "sum"));
 }
 
 const CURVES = [

@@ -12,7 +12,8 @@ export const DIRECTIONS = {
   atrium: [0, -1e-3, 1],
   ventricle: [0, -1e-3, -1],
   front: [0, 1, 0.15],
-  side: [-1, 0, 0.1],
+  // As a long-axis view: the aorta to the right.
+  side: [1, 0, 0.1],
 };
 
 const FIELD_OF_VIEW_DEG = 24;
