@@ -246,7 +246,7 @@ fn an_interrupted_comparison_tells_how_far_it_came() {
     let out = folder.path("out");
     let plan = folder.file(
         "plan.toml",
-        "schema_version = 1\n[[repair]]\nkind = \"ring\"\nfamily = \"saddle\"\nsize_mm = { from = 24, to = 34, step = 0.001 }\n",
+        "schema_version = 1\n[[repair]]\nkind = \"ring\"\nfamily = \"saddle\"\nsize_mm = { from = 24, to = 34, step = 0.005 }\n",
     );
     let arguments = [
         "plan",

@@ -18,6 +18,7 @@ mod text;
 
 use std::collections::BTreeMap;
 
+use coapt::Vec3;
 use coapt::measure::{Measures, ValveFrame, valve_frame};
 use coapt::model::Model;
 use coapt::plan::{Alternative, Comparison, Criterion, Outcome};
@@ -60,7 +61,7 @@ pub struct PlanReport {
     pub settings: Settings,
     /// How leaflets touch.
     pub contact: Contact,
-    /// Which way is which in the valve closed before any repair; absent where its shape was not kept.
+    /// Which way is which in the valve closed before any repair; absent where the annulus has no plane.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<ValveFrame>,
     /// What ranks, the most important first.
@@ -233,7 +234,7 @@ impl PlanReport {
             },
             settings: model.settings,
             contact: model.contact,
-            frame: frame(model, comparison),
+            frame: closed_frame(model),
             ranking: criteria.into_iter().map(ranking).collect(),
             before: closed(&comparison.before),
             alternatives: rows.collect(),
@@ -267,9 +268,11 @@ impl PlanReport {
     }
 }
 
-fn frame(model: &Model, comparison: &Comparison) -> Option<ValveFrame> {
-    let positions_mm = &comparison.before.positions_mm;
-    (!positions_mm.is_empty()).then(|| valve_frame(model, positions_mm))?
+/// The frame of the closed valve: its annulus is held, so that no closed shape need be kept to know it.
+fn closed_frame(model: &Model) -> Option<ValveFrame> {
+    let vertices = 0..model.rest_mm.len() as u32;
+    let held: Vec<Vec3> = vertices.map(|vertex| model.target_mm(vertex)).collect();
+    valve_frame(model, &held)
 }
 
 fn ranking(criterion: Criterion) -> Ranking {
