@@ -76,13 +76,14 @@ pub fn read_page(folder: &Path, most_alternatives: usize) -> Result<Page, Vec<Fa
         )),
     }?;
     // Shapes and numbers of two runs would make a page that nothing ever closed to.
-    match &files_of_other_runs(folder)[..] {
-        [] => Ok(page),
-        [first, rest @ ..] => Err(fault(
+    let others = files_of_other_runs(folder);
+    match others.first() {
+        None => Ok(page),
+        Some(first) => Err(fault(
             &folder.join(first),
             format!(
-                "is not the file that {LIST} lists, nor are {} more: they are of another run or were changed; write the results again",
-                rest.len()
+                "is not as {LIST} lists it (so are {} of its files): it is of another run, or was changed; write the results again",
+                others.len()
             ),
         )),
     }

@@ -110,7 +110,7 @@ fn wrong_folders_are_told() {
     fs::copy(folder.path().join("before/closed.vtp"), &path).unwrap();
     let words = told(folder.path());
     assert!(
-        words.contains("after/closed.vtp: is not the file that SHA256SUMS lists, nor are 0 more"),
+        words.contains("after/closed.vtp is not as SHA256SUMS lists it (so are 1 of its files)"),
         "{words}"
     );
     results(folder.path());
