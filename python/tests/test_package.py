@@ -256,5 +256,5 @@ def test_examples_in_the_documentation_hold():
 def test_what_is_no_repair_is_told():
     valve = coapt.generate("dilated", faces=FACES)
     for work in (lambda: valve.with_repair("ring"), lambda: coapt.plan(valve, [1]), lambda: valve.interactive().set("ring")):
-        with pytest.raises(coapt.InputError, match=r"repair\[0\]: is .*; expected a repair"):
+        with pytest.raises(coapt.InputError, match=r"repair\[0\] is .*; expected a repair"):
             work()
