@@ -100,7 +100,7 @@ def test_a_browser_loads_nothing_from_elsewhere(site, pages):
 def test_every_page_says_what_it_is_not_for(pages):
     for path, page in pages.items():
         assert page.text.count('<p class="notice">') == 1, path.name
-        assert "research use, not a medical device.</p>" in page.text, path.name
+        assert "research use, not a medical device.</p>" in page.text.lower(), path.name
 
 
 def test_notebooks_are_pages_with_their_pictures(site, pages):
