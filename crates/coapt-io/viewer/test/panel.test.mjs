@@ -84,13 +84,14 @@ test("a moved slider closes the valve anew", { skip: PYTHON ? false : "PYTHON is
   const ringed = await pixels(page, "panel-view");
   assert.notEqual(ringed.sum, open.sum);
 
+  const width = Number(await value("commissural width", 2));
   // As a hand would, faster than closures are: many values, of which the last must be the one that is shown.
   const size = panel.locator("input[name=ring_size_mm]");
   for (let size_mm = 29.5; size_mm >= 26; size_mm -= 0.5) await size.fill(String(size_mm));
   await page.waitForFunction((area) => {
     const cells = [...document.querySelectorAll(".coapt-panel tr")].find((row) => row.innerText.includes("commissural width"))?.cells;
     return cells && Number(cells[2].innerText) < area;
-  }, Number(await value("commissural width", 2)) - 2, { timeout: 60_000 });
+  }, width - 2, { timeout: 60_000 });
   assert.notEqual((await pixels(page, "panel-view")).sum, ringed.sum);
   assert.match(await panel.innerText(), /certified: converged/);
   assert.match(await panel.innerText(), /research use, not a medical device/);
