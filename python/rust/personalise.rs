@@ -3,14 +3,13 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use coapt::Vec3;
 use coapt::personalise::{ChordFit, FitSettings, FitStatus, Target, Tried, fit_chord_lengths_watched};
 use coapt::scene::{Fault, Scene};
-use coapt_io::mesh::{PolyData, read_mesh};
+use coapt_io::mesh::read_mesh;
+use coapt_io::personalise::{FitReport, fitted_scene, target_of};
 use coapt_io::report;
 use coapt_io::scene::sentence;
 use pyo3::prelude::*;
-use serde_json::json;
 
 use crate::built::Built;
 use crate::closed::{Closed, Relaxed};
@@ -92,7 +91,9 @@ fn fitted(
         (built, closed)
     };
     let tuned = match &fit.tuned {
-        Some(_) => Some(close(Arc::new(given.of(with_lengths(&given.scene, &fit))?))),
+        Some(_) => Some(close(Arc::new(
+            given.of(fitted_scene(Scene::clone(&given.scene), &fit))?,
+        ))),
         None => None,
     };
     Ok(Fit {
@@ -105,15 +106,6 @@ fn fitted(
         case: given.model.name.clone(),
         fit,
     })
-}
-
-/// The scene with the fitted factors.
-fn with_lengths(scene: &Scene, fit: &ChordFit) -> Scene {
-    let mut scene = scene.clone();
-    for (group, fitted) in scene.chordae.iter_mut().zip(&fit.groups) {
-        group.rest_length_scale *= fitted.scale;
-    }
-    scene
 }
 
 /// What it is called, its points, and doubts.
@@ -136,53 +128,23 @@ fn target(py: Python<'_>, given: &Bound<'_, PyAny>) -> PyResult<(String, Target,
             (name, mesh, warnings)
         }
     };
-    let points_mm = used_points(&name, &mesh).map_err(|fault| input_error(py, &[fault]))?;
-    Ok((name, Target { points_mm }, warnings))
-}
-
-/// The points of a surface that its triangles use.
-fn used_points(name: &str, mesh: &PolyData) -> Result<Vec<Vec3>, Fault> {
-    if mesh.triangles.is_empty() {
-        let message = "has no triangles; expected the surface of the closed leaflets";
-        return Err(Fault::error(name, message));
-    }
-    let count = mesh.points.len();
-    let mut used = vec![false; count];
-    for &point in mesh.triangles.iter().flatten() {
-        let Some(used) = used.get_mut(point as usize) else {
-            let message =
-                format!("has a triangle with point {point}; expected one of its {count} points, from 0");
-            return Err(Fault::error(name, message));
-        };
-        *used = true;
-    }
-    let points = mesh.points.iter().zip(used).filter(|(_, used)| *used);
-    Ok(points.map(|(&point, _)| Vec3::from(point)).collect())
+    let target = target_of(&name, &mesh).map_err(|fault| input_error(py, &[fault]))?;
+    Ok((name, target, warnings))
 }
 
 #[pymethods]
 impl Fit {
     /// The fit as `personalise.json` holds it.
     fn report_json(&self) -> String {
-        let state = |tried: &Option<Tried>| {
-            tried.as_ref().map(|tried| {
-                json!({
-                    "certified": tried.certified(),
-                    "all_points": tried.all_points,
-                    "visible_points": tried.visible_points,
-                })
-            })
+        let report = FitReport {
+            case: &self.case,
+            per_group: self.per_group,
+            target: &self.target,
+            fit: &self.fit,
+            wall_ms: self.wall_ms,
+            warnings: self.warnings.iter().map(sentence).collect(),
         };
-        let fit = &self.fit;
-        let warnings: Vec<String> = self.warnings.iter().map(sentence).collect();
-        json!({
-            "case": self.case, "target": self.target, "per_group": self.per_group,
-            "status": fit.status, "chord_groups": fit.groups,
-            "untuned": state(&fit.untuned), "tuned": state(&fit.tuned),
-            "closures": fit.closures, "unconverged": fit.unconverged, "wall_ms": self.wall_ms,
-            "history": fit.history, "warnings": warnings,
-        })
-        .to_string()
+        report.json()
     }
 
     /// Whether there is a result, with every factor within its range, of a certified closure.

@@ -67,7 +67,7 @@ pub(crate) enum Format {
 pub(crate) enum Colour {
     /// Distance to the other leaflet.
     Gap,
-    /// Largest strain.
+    /// Mean strain of the edges at a point.
     Strain,
     /// Way from the open valve.
     Displacement,

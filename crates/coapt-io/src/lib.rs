@@ -27,3 +27,5 @@ pub mod plan;
 pub mod page;
 
 pub mod picture;
+
+pub mod personalise;

@@ -1,15 +1,14 @@
 //! Films as the page's script reads them: positions in steps of a few micrometres, what is coloured in 255 steps, so that a film of 60
 //! frames of 10,000 triangles takes four megabytes.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use coapt::Vec3;
 use coapt::measure;
 use coapt::model::Model;
 use coapt::scene::Fault;
 use rayon::prelude::*;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
+use super::coded::Coded;
 use crate::record::{RecordedFilm, RecordedFrame, Recording, valves};
 
 /// A closing valve.
@@ -28,36 +27,19 @@ pub struct PageFilm {
     /// What one step of them is [mm].
     pub step_mm: f64,
     /// Leaflet vertices in steps, shape `[frame][vertex, 3]`.
-    pub positions: Vec<Steps<u16>>,
+    pub positions: Vec<Coded<u16>>,
     /// Ends of the chord segments in steps, shape `[frame][segment, 2, 3]`.
-    pub chords: Vec<Steps<u16>>,
+    pub chords: Vec<Coded<u16>>,
     /// What one step of `gap` is [mm].
     pub gap_step_mm: f64,
     /// Distance to the other leaflet in steps, shape `[frame][vertex]`.
-    pub gap: Vec<Steps<u8>>,
+    pub gap: Vec<Coded<u8>>,
     /// What one step of `strain` is [1].
     pub strain_step: f64,
     /// Strain in steps, shape `[frame][vertex]`.
-    pub strain: Vec<Steps<u8>>,
+    pub strain: Vec<Coded<u8>>,
     /// Whether tissue touches tissue, 0 or 1, shape `[frame][vertex]`.
-    pub contact: Vec<Steps<u8>>,
-}
-
-/// Whole numbers of a few bytes each, in base64 on the page.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Steps<T>(pub Vec<T>);
-
-impl Serialize for Steps<u8> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(&STANDARD.encode(&self.0))
-    }
-}
-
-impl Serialize for Steps<u16> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let bytes: Vec<u8> = self.0.iter().flat_map(|number| number.to_le_bytes()).collect();
-        serializer.serialize_str(&STANDARD.encode(bytes))
-    }
+    pub contact: Vec<Coded<u8>>,
 }
 
 /// The films of a recording, before and, where it has repairs, after. What colours the leaflets is measured on its valves.
@@ -92,14 +74,14 @@ fn page_film(film: &RecordedFilm, model: &Model) -> Result<PageFilm, Vec<Fault>>
     let gap_step_mm = largest(|known| &known.gap_mm) / f64::from(u8::MAX);
     let strain_step = largest(|known| &known.strain) / f64::from(u8::MAX);
     let (low_mm, step_mm) = steps(film);
-    let counted = |points: &mut dyn Iterator<Item = [f64; 3]>| -> Steps<u16> {
+    let counted = |points: &mut dyn Iterator<Item = [f64; 3]>| -> Coded<u16> {
         let parts =
             points.flat_map(|point| std::array::from_fn::<f64, 3, _>(|axis| point[axis] - low_mm[axis]));
-        Steps(parts.map(|part| (part / step_mm).round() as u16).collect())
+        Coded(parts.map(|part| (part / step_mm).round() as u16).collect())
     };
     let figures = film.frames.iter().map(|frame| &frame.figures);
     let in_steps =
-        |values: &[f64], step: f64| Steps(values.iter().map(|value| (value / step).round() as u8).collect());
+        |values: &[f64], step: f64| Coded(values.iter().map(|value| (value / step).round() as u8).collect());
     Ok(PageFilm {
         pressures_mmhg: film.frames.iter().map(|frame| frame.pressure_mmhg).collect(),
         certified: film.frames.iter().map(|frame| frame.certified).collect(),
@@ -129,7 +111,7 @@ fn page_film(film: &RecordedFilm, model: &Model) -> Result<PageFilm, Vec<Fault>>
             .collect(),
         contact: known
             .iter()
-            .map(|known| Steps(known.contact.iter().map(|&touches| u8::from(touches)).collect()))
+            .map(|known| Coded(known.contact.iter().map(|&touches| u8::from(touches)).collect()))
             .collect(),
     })
 }

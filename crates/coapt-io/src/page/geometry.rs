@@ -1,54 +1,30 @@
-//! Shapes as the page's script reads them: little-endian numbers in base64, lengths in single precision, which is a hundred thousandth of a
-//! millimetre.
+//! Shapes as the page's script reads them: lengths in single precision, which is a hundred thousandth of a millimetre.
 
 use std::collections::BTreeMap;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
+use super::coded::Coded;
 use super::film::PageFilm;
 use crate::mesh::{Array, PolyData};
-
-/// Numbers of a page.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Floats(pub Vec<f32>);
-
-/// Whole numbers of a page.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Integers(pub Vec<u32>);
-
-impl Serialize for Floats {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let bytes: Vec<u8> = self.0.iter().flat_map(|number| number.to_le_bytes()).collect();
-        serializer.serialize_str(&STANDARD.encode(bytes))
-    }
-}
-
-impl Serialize for Integers {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let bytes: Vec<u8> = self.0.iter().flat_map(|number| number.to_le_bytes()).collect();
-        serializer.serialize_str(&STANDARD.encode(bytes))
-    }
-}
 
 /// A valve open and closed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Geometry {
     /// Triangles, shape `[face, 3]`.
-    pub faces: Integers,
+    pub faces: Coded<u32>,
     /// Which leaflet each face belongs to, shape `[face]`.
-    pub face_leaflet: Integers,
+    pub face_leaflet: Coded<u32>,
     /// Closed positions [mm], shape `[vertex, 3]`.
-    pub closed: Floats,
+    pub closed: Coded<f32>,
     /// Open positions [mm], shape `[vertex, 3]`.
-    pub open: Floats,
+    pub open: Coded<f32>,
     /// What is known at the closed vertices, by name, shape `[vertex]` each.
-    pub fields: BTreeMap<String, Floats>,
+    pub fields: BTreeMap<String, Coded<f32>>,
     /// Its chords; none where there are none, or they were not written.
     pub chords: Option<Chords>,
     /// Curves of rings [mm], shape `[ring][point, 3]`.
-    pub rings: Vec<Floats>,
+    pub rings: Vec<Coded<f32>>,
     /// How it closes; none where that was not recorded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub film: Option<PageFilm>,
@@ -58,15 +34,15 @@ pub struct Geometry {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Chords {
     /// Points at the ends, shape `[chord, 2]`.
-    pub ends: Integers,
+    pub ends: Coded<u32>,
     /// Group of each, shape `[chord]`.
-    pub group: Integers,
+    pub group: Coded<u32>,
     /// Closed positions of the points [mm], shape `[point, 3]`.
-    pub closed: Floats,
+    pub closed: Coded<f32>,
     /// The same in the open valve; none where it was not written.
-    pub open: Option<Floats>,
+    pub open: Option<Coded<f32>>,
     /// Tension [N], shape `[chord]`.
-    pub force_n: Floats,
+    pub force_n: Coded<f32>,
 }
 
 /// What the page colours a valve by, or lays it flat with.
@@ -103,8 +79,8 @@ impl Geometry {
         });
         fields.insert(DISPLACEMENT.to_owned(), floats(lengths));
         Ok(Self {
-            faces: Integers(surface.triangles.concat()),
-            face_leaflet: Integers(face_leaflets(surface)?),
+            faces: Coded(surface.triangles.concat()),
+            face_leaflet: Coded(face_leaflets(surface)?),
             open: floats(open),
             closed: floats(closed.iter().copied()),
             fields,
@@ -141,8 +117,8 @@ impl Chords {
     pub fn new(closed: &PolyData, open: Option<&PolyData>) -> Result<Self, String> {
         let group = line_values(closed, "group")?;
         Ok(Self {
-            ends: Integers(closed.lines.concat()),
-            group: Integers(group.iter().map(|&group| group as u32).collect()),
+            ends: Coded(closed.lines.concat()),
+            group: Coded(group.iter().map(|&group| group as u32).collect()),
             closed: points(closed),
             open: open
                 .filter(|open| open.points.len() == closed.points.len())
@@ -153,19 +129,19 @@ impl Chords {
 }
 
 /// Points along a curve of lines, the first once more at its end where it closes.
-pub(crate) fn curve(lines: &PolyData) -> Floats {
+pub(crate) fn curve(lines: &PolyData) -> Coded<f32> {
     let first = lines.lines.first().map(|line| line[0]);
     let rest = lines.lines.iter().map(|line| line[1]);
     let along = first.into_iter().chain(rest);
     floats(along.flat_map(|point| lines.points[point as usize]))
 }
 
-fn points(mesh: &PolyData) -> Floats {
+fn points(mesh: &PolyData) -> Coded<f32> {
     floats(mesh.points.iter().flatten().copied())
 }
 
-fn floats(values: impl Iterator<Item = f64>) -> Floats {
-    Floats(values.map(|value| value as f32).collect())
+fn floats(values: impl Iterator<Item = f64>) -> Coded<f32> {
+    Coded(values.map(|value| value as f32).collect())
 }
 
 fn point_values<'a>(mesh: &'a PolyData, name: &str, components: usize) -> Result<&'a Array, String> {

@@ -6,7 +6,8 @@ use quick_xml::escape::escape;
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::{Certificate, Page, PageState, Seals};
+use super::{Page, PageState, Seals};
+use crate::plan::Trust;
 use crate::report::{
     LeftOutReport, RepairReport, TableRow, UntangledReport, is_zero, left_out_line, number, reasons,
     repair_line, untangled_line,
@@ -95,7 +96,7 @@ fn verdict(state: &PageState) -> String {
     }
 }
 
-fn doubt(certificate: &Certificate) -> String {
+fn doubt(certificate: &Trust) -> String {
     word(&reasons(
         certificate.status,
         certificate.stable,

@@ -5,9 +5,10 @@
 //! | `page.html`, `page.css` | the frame of the page; `{{name}}` is filled in |
 //! | `viewer/src` (beside `src`) | what moves on it, built to `viewer/built/report.js` with three.js in it |
 //! | `read` | a folder of results as a [`Page`] |
-//! | `geometry`, `film` | shapes and films as the numbers that the page draws |
+//! | `geometry`, `film`, `coded` | shapes and films as the numbers that the page draws |
 //! | `html` | tables and words, which are there without any script |
 
+pub mod coded;
 pub mod film;
 pub mod geometry;
 mod html;
@@ -16,11 +17,11 @@ mod read;
 mod tests;
 
 use coapt::measure::ValveFrame;
-use coapt::relax::Status;
 use coapt::scene::Fault;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use serde_json::Value;
 
+use crate::plan::Trust;
 use crate::report::TableRow;
 
 pub use read::{RECORDING, add_film, read_page};
@@ -56,7 +57,7 @@ pub struct PageState {
     /// Whether it only takes chordae away, which is no repair and has no place.
     pub only_takes_chordae: bool,
     /// How far it can be trusted.
-    pub certificate: Certificate,
+    pub certificate: Trust,
     /// Names of the groups of its chords; empty where they are not known.
     pub chord_groups: Vec<String>,
     /// Where it lies.
@@ -64,27 +65,6 @@ pub struct PageState {
     /// How often valves like it seal that an image could not tell from it, and how many of them were closed; none where
     /// none were.
     pub seals: Option<Seals>,
-}
-
-/// What a result says of how a closed state was found.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-pub struct Certificate {
-    /// Whether the result may be used: converged, stable, nothing crosses.
-    pub certified: bool,
-    /// Why the solver stopped.
-    pub status: Status,
-    /// Largest force left on a free vertex over the mean nodal pressure force [1].
-    pub residual: f64,
-    /// Solver iterations.
-    pub iterations: usize,
-    /// Whether a small push is answered by a small motion.
-    pub stable: bool,
-    /// Edges that pass through faces.
-    pub crossings: usize,
-    /// How far mid-surfaces in contact are nearer than the contact distance, at most [mm].
-    pub max_penetration_mm: f64,
-    /// Expected distance from an infinitely fine mesh, root mean square [mm].
-    pub discretisation_mm: f64,
 }
 
 /// What an ensemble says of sealing.

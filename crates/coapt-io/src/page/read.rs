@@ -7,6 +7,7 @@ use coapt::scene::Fault;
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::coded::Coded;
 use super::film::page_films;
 use super::geometry::{Chords, Geometry, curve};
 use super::{Page, PageState, Seals};
@@ -278,7 +279,7 @@ fn read_chords(path: &Path, open: Option<&Path>) -> Result<Option<Chords>, Vec<F
     chords.map(Some).map_err(|message| fault(path, message))
 }
 
-fn read_rings(folder: &Path) -> Result<Vec<super::geometry::Floats>, Vec<Fault>> {
+fn read_rings(folder: &Path) -> Result<Vec<Coded<f32>>, Vec<Fault>> {
     let names = files_in(folder).unwrap_or_default().into_iter().filter(|path| {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         name == "ring" || name.starts_with("ring_")

@@ -29,7 +29,7 @@ pub enum Quantity {
     /// Distance to the other leaflet [mm].
     #[default]
     Gap,
-    /// Largest strain [%].
+    /// Mean strain of the edges at a point [%].
     Strain,
     /// Way from the open valve [mm].
     Displacement,
@@ -97,7 +97,7 @@ impl Colouring {
     pub(super) fn title(&self) -> &'static str {
         match self.quantity {
             Quantity::Gap => "distance to the other leaflet [mm]",
-            Quantity::Strain => "largest strain [%]",
+            Quantity::Strain => "mean strain of the edges [%]",
             Quantity::Displacement => "way from the open valve [mm]",
             Quantity::Leaflet => "leaflet",
         }

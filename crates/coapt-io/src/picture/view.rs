@@ -12,7 +12,7 @@ use crate::page::geometry::Geometry;
 pub(super) enum Direction {
     /// From the atrium, the aorta on top.
     Atrium,
-    /// From the posteromedial side, the atrium on top, the aorta to the right... as a long-axis view of echo shows it.
+    /// From the posteromedial side, the atrium on top and the aorta to the right, as a long-axis view of echo shows it.
     Side,
 }
 

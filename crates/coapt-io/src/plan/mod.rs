@@ -24,7 +24,7 @@ use coapt::model::Model;
 use coapt::plan::{Alternative, Comparison, Criterion, Outcome};
 use coapt::relax::Status;
 use coapt::scene::{Contact, Fault, MMHG_MPA, Repair, Settings};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::report::{MeshSize, NOTICE};
 use crate::scene::{Alternatives, locate, sentence};
@@ -176,7 +176,7 @@ impl Closed {
 }
 
 /// How far a closed state can be trusted. No times: the same plan gives the same bytes.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trust {
     /// Whether the result may be used: converged, stable, nothing crosses.
     pub certified: bool,

@@ -29,7 +29,7 @@ export const SLACK_COLOUR = parse("9a9a9a");
 export const QUANTITIES = {
   gap_mm: { label: "distance to the other leaflet", unit: "mm", map: "cividis", bottom: 0, top: 6 },
   contact: { label: "contact with the other leaflet", unit: "", map: "cividis", bottom: 0, top: 1, ends: ["free", "in contact"] },
-  strain: { label: "largest strain", unit: "%", factor: 100, map: "viridis", bottom: 0 },
+  strain: { label: "mean strain of the edges", unit: "%", factor: 100, map: "viridis", bottom: 0 },
   displacement_mm: { label: "way from the open valve", unit: "mm", map: "viridis", bottom: 0 },
   annulus_distance_mm: { label: "height above the annular plane", unit: "mm", map: "blue-orange", symmetric: true },
   leaflet: { label: "leaflet", unit: "" },
@@ -59,6 +59,20 @@ export function vertexColours(name, values, [low, high]) {
   const colours = new Float32Array(values.length * 3);
   values.forEach((value, vertex) => colours.set(colourAt(map, (value - low) / (high - low)), 3 * vertex));
   return colours;
+}
+
+// Colours of vertices by the leaflet that they belong to, shape `[vertex, 3]`.
+export function leafletColours({ faces, faceLeaflet }, vertexCount) {
+  const colours = new Float32Array(3 * vertexCount);
+  faceLeaflet.forEach((leaflet, face) => {
+    for (let corner = 0; corner < 3; corner += 1) colours.set(LEAFLET_COLOURS[leaflet % LEAFLET_COLOURS.length], 3 * faces[3 * face + corner]);
+  });
+  return colours;
+}
+
+export function leafletLegend() {
+  const gradient = `linear-gradient(to right, ${css(LEAFLET_COLOURS[0])} 50%, ${css(LEAFLET_COLOURS[1])} 50%)`;
+  return { gradient, ticks: ["anterior", "posterior"], title: "leaflet" };
 }
 
 // A legend as CSS and the words at its ticks.

@@ -3,7 +3,7 @@
 // `asked` goes to Python, `answer` comes back with its `id`. While one question is open the latest of the others waits, so that a
 // slider never runs ahead of the solver by more than one closure.
 
-import { LEAFLET_COLOURS, QUANTITIES, css, legend, niceAbove, range, vertexColours } from "./colours.js";
+import { QUANTITIES, leafletColours, leafletLegend, legend, niceAbove, range, vertexColours } from "./colours.js";
 import { chordLines, createValve, createView, fit, lookFrom, requestDraw, setMesh, setShape } from "./valve3d.js";
 
 const STYLE = `
@@ -109,18 +109,8 @@ function decode(answer) {
 
 function show(view, valve, geometry, colour) {
   setMesh(valve, geometry);
-  const count = geometry.positions.length / 3;
-  let colours;
-  let limits = null;
-  if (colour === "leaflet") {
-    colours = new Float32Array(3 * count);
-    geometry.faceLeaflet.forEach((leaflet, face) => {
-      for (let corner = 0; corner < 3; corner += 1) colours.set(LEAFLET_COLOURS[leaflet % LEAFLET_COLOURS.length], 3 * geometry.faces[3 * face + corner]);
-    });
-  } else {
-    limits = range(colour, [geometry.fields]);
-    colours = vertexColours(colour, geometry.fields[colour], limits);
-  }
+  const limits = colour === "leaflet" ? null : range(colour, [geometry.fields]);
+  const colours = limits ? vertexColours(colour, geometry.fields[colour], limits) : leafletColours(geometry, geometry.positions.length / 3);
   const { chords } = geometry;
   setShape(valve, geometry.positions, colours, chords && chordLines(chords, chords.points, niceAbove(Math.max(...chords.force_n))));
   valve.edges.visible = false;
@@ -172,7 +162,7 @@ function render({ model, el }) {
     if (!geometry) return;
     const colour = form.elements.colour.value;
     const limits = show(view, valve, geometry, colour);
-    const told = limits ? legend(colour, limits) : { gradient: `linear-gradient(to right, ${css(LEAFLET_COLOURS[0])} 50%, ${css(LEAFLET_COLOURS[1])} 50%)`, ticks: ["anterior", "posterior"], title: "" };
+    const told = limits ? legend(colour, limits) : leafletLegend();
     bar.style.background = told.gradient;
     ticks.replaceChildren(...told.ticks.map((textContent) => make("span", { textContent })));
   };

@@ -1,6 +1,6 @@
 // The page of a report: what its controls do. The page itself, with all tables, is written by the program.
 
-import { LEAFLET_COLOURS, QUANTITIES, css, legend, niceAbove, range, shortNumber, vertexColours } from "./colours.js";
+import { QUANTITIES, leafletColours, leafletLegend, legend, niceAbove, range, shortNumber, vertexColours } from "./colours.js";
 import { decodeFrame, decodeGeometry } from "./decode.js";
 import { drawCurves, drawForces, drawSection, drawUnrolled } from "./drawings.js";
 import { DIRECTIONS, chordLines, createValve, createView, draw, fit, lookFrom, plainChordLines, requestDraw, setMesh, setShape, vertexAt } from "./valve3d.js";
@@ -43,16 +43,10 @@ function endsOf({ ends }, points) {
 }
 
 function coloursOf({ geometry }, { fields }, limits) {
-  const count = geometry.open.length / 3;
+  if (choice.quantity === "leaflet") return leafletColours(geometry, geometry.open.length / 3);
   const values = fields[choice.quantity];
-  if (choice.quantity !== "leaflet" && values) return vertexColours(choice.quantity, values, limits);
-  const colours = new Float32Array(3 * count).fill(0.75);
-  if (choice.quantity === "leaflet") {
-    geometry.faceLeaflet.forEach((leaflet, face) => {
-      for (let corner = 0; corner < 3; corner += 1) colours.set(LEAFLET_COLOURS[leaflet % LEAFLET_COLOURS.length], 3 * geometry.faces[3 * face + corner]);
-    });
-  }
-  return colours;
+  // Grey where it is not known: in the open valve.
+  return values ? vertexColours(choice.quantity, values, limits) : new Float32Array(geometry.open.length).fill(0.75);
 }
 
 function limits() {
@@ -110,15 +104,8 @@ function poseWords() {
 }
 
 function refreshLegend(between) {
-  const bar = find("legend-bar");
-  if (!between) {
-    bar.style.background = `linear-gradient(to right, ${css(LEAFLET_COLOURS[0])} 50%, ${css(LEAFLET_COLOURS[1])} 50%)`;
-    find("legend-title").textContent = "leaflet";
-    find("legend-ticks").replaceChildren(...["anterior", "posterior"].map(span));
-    return;
-  }
-  const { gradient, ticks, title } = legend(choice.quantity, between);
-  bar.style.background = gradient;
+  const { gradient, ticks, title } = between ? legend(choice.quantity, between) : leafletLegend();
+  find("legend-bar").style.background = gradient;
   find("legend-title").textContent = title;
   find("legend-ticks").replaceChildren(...ticks.map(span));
 }
