@@ -134,6 +134,8 @@ impl Criterion {
         };
         match self {
             Self::CoaptationLengthA2P2 | Self::CoaptationLength => (COAPTATION_TARGET_MM - value).max(0.0),
+            // What does not open at all stands behind whatever does.
+            Self::DiastolicOrifice if value <= 0.0 => f64::INFINITY,
             Self::DiastolicOrifice => (DIASTOLIC_TARGET_MM2 / value).log2().max(0.0),
             Self::Orifice | Self::ChordForce | Self::Strain => value,
         }

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use crate::Vec3;
 use crate::measure::flow::{Filling, mean_diastolic_gradient_mmhg};
 use crate::measure::{DiastolicOrifice, diastolic_orifice};
 use crate::model::Model;
@@ -21,6 +22,8 @@ pub struct Diastole {
     pub orifice: Option<DiastolicOrifice>,
     /// Mean gradient over that orifice of a heart at rest ([`Filling`]'s default) [mmHg]; none without an orifice.
     pub mean_gradient_mmhg: Option<f64>,
+    /// Where the vertices hang [mm], shape `[vertex]`; empty unless asked for ([`keep_positions`](super::Settings)).
+    pub positions_mm: Vec<Vec3>,
 }
 
 impl Diastole {
@@ -30,17 +33,21 @@ impl Diastole {
     }
 }
 
-/// Relaxes a valve without pressure, from its open state, annulus and papillary tips where they are in systole.
+/// Relaxes a valve without pressure, annulus and papillary tips where they are in systole.
 ///
 /// In a living heart the flow pushes the leaflets apart and the annulus is wider: the orifice found here is less than the one that
 /// blood passes, the gradient more. They compare repairs of one valve; limits for a patient's mitral valve area are not meant
 /// for them.
-pub(super) fn diastole(model: &Model, watch: impl FnMut(&Moment) -> ControlFlow<()>) -> Diastole {
+pub(super) fn diastole(
+    model: &Model,
+    start: &State,
+    watch: impl FnMut(&Moment) -> ControlFlow<()>,
+) -> Diastole {
     let open = Model {
         pressure_mpa: 0.0,
         ..model.clone()
     };
-    let found = relax_watched(&open, &State::open(&open), watch);
+    let found = relax_watched(&open, start, watch);
     let is_certified = found.certificate.is_certified(found.status);
     let orifice = is_certified.then(|| diastolic_orifice(&open, &found.state.positions_mm));
     let area_mm2 = orifice.as_ref().map(|orifice| orifice.area_mm2);
@@ -50,5 +57,6 @@ pub(super) fn diastole(model: &Model, watch: impl FnMut(&Moment) -> ControlFlow<
         certificate: found.certificate,
         iterations: found.history.len(),
         orifice,
+        positions_mm: found.state.positions_mm,
     }
 }

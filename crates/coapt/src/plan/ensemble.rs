@@ -5,7 +5,7 @@ use rand_pcg::rand_core::Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Outcome, Refusal, Settings, Watch, apply_all, closed};
+use super::{Outcome, Refusal, Settings, Start, Watch, apply_all, closed};
 use crate::Vec3;
 use crate::measure::Measures;
 use crate::measure::statistics::percentile;
@@ -184,6 +184,10 @@ pub fn ensemble(
     let sample = |number: u32| {
         let varied = varied(model, uncertainty, seed, number);
         let applied = apply_all(&varied, repairs)?;
+        let start = Start {
+            closed: start,
+            ..Start::default()
+        };
         Ok(closed(applied, start, &settings, watch))
     };
     let numbers = (0..samples).into_par_iter().with_max_len(1);

@@ -109,7 +109,7 @@ pub struct Outcome {
     pub certificate: Certificate,
     /// Solver iterations.
     pub iterations: usize,
-    /// The alternative at whose closed shape it began, from 0; none where it began open.
+    /// The alternative at whose closed shape it began, and at whose opened one its open valve did, from 0; none where it began open.
     pub begun_at: Option<usize>,
     /// What it measures.
     pub measures: Measures,
@@ -130,6 +130,13 @@ impl Outcome {
     /// Whether the result may be used: converged, stable, nothing crosses.
     pub fn is_certified(&self) -> bool {
         self.certificate.is_certified(self.status)
+    }
+
+    fn forget_positions(&mut self) {
+        self.positions_mm = Vec::new();
+        if let Some(diastole) = &mut self.diastole {
+            diastole.positions_mm = Vec::new();
+        }
     }
 }
 
@@ -196,7 +203,7 @@ pub fn compare_watched(
         reports: Vec::new(),
         warnings: Vec::new(),
     };
-    let (before, mut rows) = rayon::join(|| closed(untouched(), None, settings, watch), all);
+    let (before, mut rows) = rayon::join(|| closed(untouched(), Start::default(), settings, watch), all);
     ranking::rank(&mut rows, &settings.criteria);
     Comparison { before, rows }
 }
@@ -287,7 +294,8 @@ fn attempted(
     settings: &Settings,
     watch: Watch,
 ) -> Result<Outcome, Refusal> {
-    let result = apply_all(model, &alternative.repairs).map(|applied| closed(applied, None, settings, watch));
+    let result = apply_all(model, &alternative.repairs)
+        .map(|applied| closed(applied, Start::default(), settings, watch));
     if result.is_err() {
         // There is no closure to be stopped.
         let _ = watch(&Progress::Refused);
@@ -295,17 +303,28 @@ fn attempted(
     result
 }
 
-/// Closes a valve, from its open state where none of its own is given.
-fn closed(applied: Applied, start: Option<&State>, settings: &Settings, watch: Watch) -> Outcome {
+/// Where a valve begins to close, and to open without pressure; at its open state where nothing is said.
+#[derive(Clone, Copy, Debug, Default)]
+struct Start<'a> {
+    closed: Option<&'a State>,
+    opened: Option<&'a State>,
+}
+
+/// Closes a valve, and opens it where that is asked for. A start of another number of vertices is none.
+fn closed(applied: Applied, start: Start, settings: &Settings, watch: Watch) -> Outcome {
     let model = &applied.model;
     let look = |moment: &Moment| watch(&Progress::Iterated(moment));
-    let equilibrium = match start {
+    let own = State::open(model);
+    let equilibrium = match start.closed {
         Some(start) if start.positions_mm.len() == model.rest_mm.len() => relax_watched(model, start, look),
-        _ => relax_watched(model, &State::open(model), look),
+        _ => relax_watched(model, &own, look),
     };
     let positions_mm = equilibrium.state.positions_mm;
     let measures = measure(model, &positions_mm, &equilibrium.reactions_n);
-    let outcome = Outcome {
+    let diastole = settings
+        .diastole
+        .then(|| diastole::diastole(model, start.opened.unwrap_or(&own), look));
+    let mut outcome = Outcome {
         status: equilibrium.status,
         certificate: equilibrium.certificate,
         iterations: equilibrium.history.len(),
@@ -315,14 +334,14 @@ fn closed(applied: Applied, start: Option<&State>, settings: &Settings, watch: W
             model.pressure_mpa / MMHG_MPA,
         ),
         measures,
-        diastole: settings.diastole.then(|| diastole::diastole(model, look)),
+        diastole,
         repairs: applied.reports,
         warnings: applied.warnings,
-        positions_mm: match settings.keep_positions {
-            true => positions_mm,
-            false => Vec::new(),
-        },
+        positions_mm,
     };
+    if !settings.keep_positions {
+        outcome.forget_positions();
+    }
     // What is closed is closed.
     let _ = watch(&Progress::Closed);
     outcome

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::ensemble::{Ensemble, Interval, Probability, Uncertainty, ensemble};
-use super::{Alternative, Comparison, Criterion, Progress, Watch, apply_all, closed};
+use super::{Alternative, Comparison, Criterion, Progress, Start, Watch, apply_all, closed};
 use crate::model::Model;
 use crate::scene::Repair;
 use crate::state::State;
@@ -132,7 +132,12 @@ pub(super) fn middle(model: &Model, repairs: &[Repair], watch: Watch) -> Option<
         Progress::Iterated(_) => watch(progress),
         _ => ControlFlow::Continue(()),
     };
-    let outcome = closed(apply_all(model, repairs).ok()?, None, &settings, &look);
+    let outcome = closed(
+        apply_all(model, repairs).ok()?,
+        Start::default(),
+        &settings,
+        &look,
+    );
     outcome.is_certified().then_some(State {
         positions_mm: outcome.positions_mm,
     })

@@ -1,4 +1,4 @@
-//! Alternatives that begin at each other's closed shapes: quick, where many differ in little.
+//! Alternatives that begin at each other's shapes, closed and open: quick, where many differ in little.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -6,14 +6,19 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::{Alternative, Outcome, Progress, Refusal, Row, Settings, Watch, apply_all, attempted, closed};
+use super::{
+    Alternative, Diastole, Outcome, Progress, Refusal, Row, Settings, Start, Watch, apply_all, attempted,
+    closed,
+};
+use crate::Vec3;
 use crate::model::Model;
 use crate::state::State;
 
-/// A closed valve at which others may begin.
+/// A valve at whose shapes others may begin.
 struct Begun {
     faces: Vec<[u32; 3]>,
-    state: State,
+    closed: State,
+    opened: Option<State>,
 }
 
 /// Closes the alternatives: first those that no earlier one leads, then the others from where their leaders ended. A valve of other
@@ -37,7 +42,7 @@ pub(super) fn rows(
             .ok()
             .and_then(|outcome| begun(model, alternative, outcome));
         if let (Ok(outcome), false) = (&mut result, settings.keep_positions) {
-            outcome.positions_mm = Vec::new();
+            outcome.forget_positions();
         }
         (number, (result, begun))
     };
@@ -88,11 +93,17 @@ fn begun(model: &Model, alternative: &Alternative, outcome: &Outcome) -> Option<
         return None;
     }
     let applied = apply_all(model, &alternative.repairs).ok()?;
+    let at = |positions_mm: &[Vec3]| State {
+        positions_mm: positions_mm.to_vec(),
+    };
+    let opened = outcome
+        .diastole
+        .as_ref()
+        .filter(|diastole| diastole.is_certified());
     Some(Begun {
         faces: applied.model.faces,
-        state: State {
-            positions_mm: outcome.positions_mm.clone(),
-        },
+        closed: at(&outcome.positions_mm),
+        opened: opened.map(|diastole| at(&diastole.positions_mm)),
     })
 }
 
@@ -111,8 +122,12 @@ fn from_leader(
     if let Ok(applied) = apply_all(model, &alternative.repairs)
         && applied.model.faces == begun.faces
     {
-        let outcome = closed(applied, Some(&begun.state), settings, &quietly);
-        if outcome.is_certified() {
+        let start = Start {
+            closed: Some(&begun.closed),
+            opened: begun.opened.as_ref(),
+        };
+        let outcome = closed(applied, start, settings, &quietly);
+        if outcome.is_certified() && outcome.diastole.as_ref().is_none_or(Diastole::is_certified) {
             let _ = watch(&Progress::Closed);
             return Ok(Outcome {
                 begun_at: Some(leader),
