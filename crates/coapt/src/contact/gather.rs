@@ -7,7 +7,7 @@
 
 use super::broad::{Box3, SweepAndPrune, keep};
 use super::listing::Listing;
-use super::pairs::{Pair, PairKind, Place, approach_squared_mm2, nearest_at, pair_at_rest};
+use super::pairs::{Pair, PairKind, Place, approach_squared_mm2, are_beyond, nearest_at, pair_at_rest};
 use crate::Vec3;
 
 /// The pairs that may touch, kept from step to step.
@@ -120,8 +120,12 @@ impl Search {
         let surface = place.surface;
         let is_in_reach = |kind: PairKind, vertices: &[u32; 4], faces: [u32; 2]| {
             let reach_mm = place.farthest_mm(faces) + approach_mm(kind, vertices);
-            let nearest = nearest_at(kind, vertices, place.positions_mm);
-            nearest.separation_mm.norm_squared() <= reach_mm * reach_mm
+            // Nineteen of twenty whose boxes overlap are not in reach, and most of them are told by less than closest points.
+            !are_beyond(kind, vertices, place.positions_mm, reach_mm)
+                && nearest_at(kind, vertices, place.positions_mm)
+                    .separation_mm
+                    .norm_squared()
+                    <= reach_mm * reach_mm
         };
         let near = self.sweep.between(&self.point_boxes, &self.face_boxes);
         keep(near, |pair| surface.are_apart(surface.faces_of_point(pair)));

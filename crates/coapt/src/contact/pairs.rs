@@ -62,6 +62,32 @@ pub(super) fn nearest_at(kind: PairKind, vertices: &[u32; 4], positions_mm: &[Ve
     }
 }
 
+/// Whether two parts are farther apart than `reach_mm` along the line between their middles, by more than rounding; then they are
+/// so altogether. False tells nothing.
+///
+/// A plane across a direction m separates two parts by the gap between what they reach along m, over |m|.
+#[inline]
+pub(super) fn are_beyond(kind: PairKind, vertices: &[u32; 4], positions_mm: &[Vec3], reach_mm: f64) -> bool {
+    let [a, b, c, d] = vertices.map(|vertex| positions_mm[vertex as usize]);
+    let (direction, gap) = match kind {
+        PairKind::PointTriangle => {
+            let direction = (b + c + d) * (1.0 / 3.0) - a;
+            let height = |point: Vec3| direction.dot(&(point - a));
+            (direction, height(b).min(height(c)).min(height(d)))
+        }
+        PairKind::EdgeEdge => {
+            let direction = (c - a) + (d - b);
+            let height = |point: Vec3| direction.dot(&(point - a));
+            (direction, height(c).min(height(d)) - height(b).max(0.0))
+        }
+    };
+    gap > 0.0 && gap * gap > BEYOND * direction.norm_squared() * reach_mm * reach_mm
+}
+
+/// How much farther they must be by the square [1]: more than rounding, a part of 1e-15 of the edges' length, takes off or adds to a
+/// gap as wide as the thickness, and too little to matter.
+const BEYOND: f64 = 1.0 + 1e-9;
+
 /// The square of how much nearer two parts come by these motions, at most [mm²].
 ///
 /// Closest points are averages of their part's vertices: the largest difference between the motions of a vertex of one
@@ -188,5 +214,49 @@ fn parallel_limit_mm4(kind: PairKind, rest: &[Vec3; 4]) -> f64 {
     match kind {
         PairKind::PointTriangle => 0.0,
         PairKind::EdgeEdge => 1e-3 * (rest[1] - rest[0]).norm_squared() * (rest[3] - rest[2]).norm_squared(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of no pattern, from -1 to 1 (Knuth's linear congruence).
+    fn numbers(count: usize) -> Vec<f64> {
+        let mut state = 1_u64;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        (0..count).map(|_| next()).collect()
+    }
+
+    /// What is told to be beyond reach is; of 20,000 pairs some edges apart nine of ten that are beyond it are told.
+    #[test]
+    fn what_is_beyond_reach_is_farther() {
+        let numbers = numbers(12 * 20_000);
+        for (kind, first_count) in [(PairKind::PointTriangle, 1), (PairKind::EdgeEdge, 2)] {
+            let (mut told, mut farther) = (0, 0);
+            for number in numbers.as_chunks::<12>().0 {
+                let points: [Vec3; 4] = std::array::from_fn(|k| {
+                    let apart = if k < first_count { 0.0 } else { 2.0 };
+                    Vec3::new(number[3 * k] + apart, number[3 * k + 1], number[3 * k + 2])
+                });
+                let vertices = [0, 1, 2, 3];
+                let distance_mm = nearest_at(kind, &vertices, &points).separation_mm.norm();
+                for reach_mm in [0.5, 0.9999 * distance_mm, 1.0001 * distance_mm] {
+                    let is_told = are_beyond(kind, &vertices, &points, reach_mm);
+                    assert!(
+                        !is_told || distance_mm > reach_mm,
+                        "{kind:?} {points:?} {reach_mm}"
+                    );
+                }
+                told += usize::from(are_beyond(kind, &vertices, &points, 0.5));
+                farther += usize::from(distance_mm > 0.5);
+            }
+            assert!(10 * told > 9 * farther, "{kind:?}: {told} of {farther}");
+        }
     }
 }

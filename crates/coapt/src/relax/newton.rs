@@ -29,10 +29,13 @@ const STEP_LIMIT: f64 = 0.026;
 const STEP_LIMIT_EDGES: f64 = 0.5;
 /// The exact tangent is tried from this residual on: farther out it is indefinite nearly always.
 const EXACT_BELOW: f64 = 0.3;
-/// And after a step shorter than this part of the longest allowed [1]: a large residual is then that of something stiff, and the
-/// balance is near. Stiff ties of a clip in an unloaded valve kept the projected tangent going round at residuals of 40 and steps
-/// of a hundredth of a millimetre until [`ROUND`] told; the exact one came to rest in three. At 0.05 and 0.2 as many iterations.
+/// And after a step shorter than this part of the longest allowed [1] that no damping shortened: a large residual is then that of
+/// something stiff, and the balance is near. Stiff ties of a clip in an unloaded valve kept the projected tangent going round at
+/// residuals of 40 and steps of a hundredth of a millimetre until [`ROUND`] told; the exact one came to rest in three. At 0.05 and
+/// 0.2 as many iterations.
 const NEAR: f64 = 0.1;
+/// A damping below this part of the first one shortens no step [1], our choice.
+const UNBRAKED: f64 = 0.1;
 /// And where the projected one crawls, since it is far too stiff along the way: the residual stays above this part of the
 /// last [1] for so many steps.
 const CRAWLING: f64 = 0.9;
@@ -109,6 +112,7 @@ pub(super) struct Newton<'a> {
     /// fro at residuals of 1.6 to 3.9 for two thousand steps of the projected tangent, which is too stiff along the way, and came
     /// to rest in nine of the exact one. Why not sooner: see [`ROUND`].
     pub(super) leaves_rounds: bool,
+    first_damping: f64,
     damping: f64,
     exact_damping: f64,
     /// The first of the dampings tried that made the last exact tangent positive definite.
@@ -158,6 +162,7 @@ impl<'a> Newton<'a> {
             crawled: 0,
             goes_round: false,
             leaves_rounds: false,
+            first_damping: damping,
             damping,
             exact_damping: 1e-3 * damping,
             factor_damping: 0.0,
@@ -310,7 +315,8 @@ impl<'a> Newton<'a> {
 
     /// Finds the step that the tangent suggests, prescribed vertices included; whether it was the exact tangent.
     fn newton_step(&mut self, positions: &[Vec3], residual: f64, moving: bool) -> bool {
-        let is_near = self.longest_mm < NEAR * self.step_limit_mm;
+        let is_near =
+            self.longest_mm < NEAR * self.step_limit_mm && self.damping < UNBRAKED * self.first_damping;
         if residual < EXACT_BELOW || is_near || self.crawled > CRAWL_LIMIT || self.goes_round {
             self.assemble(positions, Curvature::Exact, moving);
             if let Some(damping) = self.factorise_exact() {
