@@ -57,7 +57,7 @@ pub struct Settings {
     pub criteria: Vec<Criterion>,
     /// Whether the closed shapes are kept: of thousands of large valves they fill the memory.
     pub keep_positions: bool,
-    /// Whether each valve is also relaxed without pressure: that takes 0.2 to 2.3 times the time of a closure (the presets, and a
+    /// Whether each valve is also relaxed without pressure: that takes 0.1 to 0.7 times the time of a closure (the presets, and a
     /// dilated valve after twelve rings).
     pub diastole: bool,
     /// Whether alternatives that differ from an earlier one in their last repair alone begin at its closed shape: see [`compare`].
