@@ -5,6 +5,7 @@
 mod changes;
 mod closure;
 mod mesh;
+mod recording;
 mod scene;
 mod tables;
 
@@ -16,6 +17,7 @@ use coapt::scene::{Fault, Severity};
 
 pub use closure::closure;
 pub use mesh::mesh;
+pub use recording::recording;
 pub use scene::scene;
 pub use tables::tables;
 

@@ -3,10 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use coapt_fuzz_cases::{closure, mesh, scene, scratch, seeds, tables};
+use coapt_fuzz_cases::{closure, mesh, recording, scene, scratch, seeds, tables};
 
 /// As `fuzz/run` has libFuzzer do it: longer inputs are cut.
 const LONGEST: usize = 16384;
+const LONGEST_RECORDING: usize = 65536;
 const LONGEST_CASE: usize = 512;
 
 fn at(path: &str) -> PathBuf {
@@ -49,6 +50,9 @@ fn kept_inputs_keep_what_fuzzing_asks_for() {
     for bytes in inputs(&[kept("tables"), at("tests/it/data")], LONGEST) {
         tables(&bytes);
     }
+    for bytes in inputs(&[kept("recording")], LONGEST_RECORDING) {
+        recording(&bytes);
+    }
     for bytes in inputs(&[meshes], LONGEST_CASE).into_iter().chain(repairs()) {
         closure(&bytes);
     }
@@ -58,7 +62,7 @@ fn kept_inputs_keep_what_fuzzing_asks_for() {
 /// Nothing is left in a target that this build does not compile but the call itself.
 #[test]
 fn targets_do_nothing_but_call_these() {
-    for name in ["mesh", "scene", "tables", "closure"] {
+    for name in ["mesh", "scene", "tables", "recording", "closure"] {
         let target =
             fs::read_to_string(at("fuzz/fuzz_targets").join(name).with_extension("rs")).expect("a target");
         let code: Vec<&str> = target.lines().filter(|line| !line.starts_with("//")).collect();

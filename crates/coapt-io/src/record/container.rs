@@ -1,9 +1,9 @@
 //! A recording as bytes: MCAP, <https://mcap.dev/spec>.
 //!
-//! Records are those of the `mcap` crate, and so is reading. Laying them out is our own: the crate's writer compresses by C
-//! libraries only (a clean build spent 117 s on zstd and 29 s on lz4, on two cores that had other work, and needs a C compiler),
-//! `lz4_flex` took 2.6 s; without compression a recording is three times as large. LZ4 frames are one of the two compressions
-//! that every reader knows.
+//! Records are those of the `mcap` crate, which also splits files into them; [`super::fields`] reads what they hold. Laying them
+//! out is our own: the crate's writer compresses by C libraries only (a clean build spent 117 s on zstd and 29 s on lz4, on two
+//! cores that had other work, and needs a C compiler), `lz4_flex` took 2.6 s; without compression a recording is three times as
+//! large. LZ4 frames are one of the two compressions that every reader knows.
 //!
 //! Attachments, metadata, schemas and channels come before the frames, so that a recording that was cut off still tells what it
 //! is of. No clock is read: equal contents give equal bytes.

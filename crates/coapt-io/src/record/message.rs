@@ -167,3 +167,55 @@ pub(super) struct TextPrimitive {
     #[prost(string, tag = "6")]
     pub(super) text: String,
 }
+
+/// What reading needs of the messages above, by their names; all else is skipped. LZ4 makes 127 empty messages of one byte: each
+/// must not take the room of what a viewer is told.
+pub(super) mod read {
+    use prost::Message;
+
+    use super::Xyz;
+
+    #[derive(Clone, PartialEq, Message)]
+    pub(in super::super) struct SceneUpdate {
+        #[prost(message, repeated, tag = "2")]
+        pub(in super::super) entities: Vec<SceneEntity>,
+    }
+
+    #[derive(Clone, PartialEq, Message)]
+    pub(in super::super) struct SceneEntity {
+        #[prost(string, tag = "3")]
+        pub(in super::super) id: String,
+        #[prost(message, repeated, tag = "9")]
+        pub(in super::super) spheres: Vec<SpherePrimitive>,
+        #[prost(message, repeated, tag = "11")]
+        pub(in super::super) lines: Vec<LinePrimitive>,
+        #[prost(message, repeated, tag = "12")]
+        pub(in super::super) triangles: Vec<TriangleListPrimitive>,
+    }
+
+    #[derive(Clone, Copy, PartialEq, Message)]
+    pub(in super::super) struct SpherePrimitive {
+        #[prost(message, optional, tag = "1")]
+        pub(in super::super) pose: Option<Pose>,
+    }
+
+    #[derive(Clone, Copy, PartialEq, Message)]
+    pub(in super::super) struct Pose {
+        #[prost(message, optional, tag = "1")]
+        pub(in super::super) position: Option<Xyz>,
+    }
+
+    #[derive(Clone, PartialEq, Message)]
+    pub(in super::super) struct LinePrimitive {
+        #[prost(message, repeated, tag = "5")]
+        pub(in super::super) points: Vec<Xyz>,
+    }
+
+    #[derive(Clone, PartialEq, Message)]
+    pub(in super::super) struct TriangleListPrimitive {
+        #[prost(message, repeated, tag = "2")]
+        pub(in super::super) points: Vec<Xyz>,
+        #[prost(fixed32, repeated, tag = "5")]
+        pub(in super::super) indices: Vec<u32>,
+    }
+}

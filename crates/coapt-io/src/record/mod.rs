@@ -21,6 +21,7 @@
 mod again;
 mod container;
 mod draw;
+mod fields;
 mod figures;
 mod glb;
 mod layout;

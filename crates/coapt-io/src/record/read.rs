@@ -3,22 +3,22 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::path::Path;
 
-use binrw::BinReaderExt;
 use coapt::relax::Status;
 use coapt::scene::{Fault, Repair, Scene};
 use lz4_flex::frame::FrameDecoder;
 use mcap::McapError;
-use mcap::read::parse_record;
-use mcap::records::{AttachmentHeader, ChunkHeader, Record, op};
+use mcap::records::{ChunkHeader, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use prost::Message;
 
 use super::container::LZ4;
+use super::fields::{Fields, Told};
 use super::figures::Figures;
-use super::message::{LinePrimitive, SceneEntity, SceneUpdate, Xyz};
+use super::message::Xyz;
+use super::message::read::{LinePrimitive, SceneEntity, SceneUpdate, TriangleListPrimitive};
 use super::{FACTS, FILM_FACTS, RECORDING_SCHEMA, REPAIRS_BEFORE_FILE, REPAIRS_FILE, SCENE_FILE, draw};
 use crate::atomic::file_fault;
 
@@ -112,9 +112,6 @@ struct Found {
     figures: BTreeMap<String, BTreeMap<u64, Figures>>,
 }
 
-/// Why nothing can be made of a file.
-type Told<T> = Result<T, String>;
-
 impl Found {
     /// Reads the records; whether the file ends before its end.
     fn read(&mut self, mut bytes: &[u8]) -> Told<bool> {
@@ -145,45 +142,43 @@ impl Found {
     }
 
     fn record(&mut self, opcode: u8, data: &[u8]) -> Told<()> {
-        let spoilt = |error: McapError| format!("is spoilt: {error}");
+        let mut fields = Fields(data);
         match opcode {
-            // Not by the crate, which counts on the checksum at the end of an attachment to be there.
-            op::ATTACHMENT => return self.attachment(data),
-            op::METADATA | op::CHANNEL | op::MESSAGE | op::CHUNK => {}
-            _ => return Ok(()),
-        }
-        match parse_record(opcode, data).map_err(spoilt)? {
-            Record::Metadata(record) => {
-                self.facts.insert(record.name, record.metadata);
+            op::ATTACHMENT => self.attachment(data)?,
+            op::METADATA => {
+                let name = fields.text()?;
+                self.facts.insert(name, fields.words()?);
             }
-            Record::Channel(channel) => {
-                self.topics.insert(channel.id, channel.topic);
+            op::CHANNEL => {
+                let (id, _schema) = (fields.u16()?, fields.u16()?);
+                self.topics.insert(id, fields.text()?);
             }
-            Record::Message { header, data } => self.message(header.channel_id, header.log_time, &data)?,
-            Record::Chunk { header, data } => self.chunk(&header, &data)?,
+            op::MESSAGE => {
+                let (channel, _number, time, _published) =
+                    (fields.u16()?, fields.u32()?, fields.u64()?, fields.u64()?);
+                self.message(channel, time, fields.0)?;
+            }
+            op::CHUNK => {
+                let header = fields.chunk_header()?;
+                self.chunk(&header, fields.take(header.compressed_size)?)?;
+            }
             _ => {}
         }
         Ok(())
     }
 
     fn attachment(&mut self, data: &[u8]) -> Told<()> {
-        let spoilt = |_| "is spoilt: an attachment is not whole".to_owned();
-        let mut cursor = Cursor::new(data);
-        let header: AttachmentHeader = cursor.read_le().map_err(spoilt)?;
-        let length: u64 = cursor.read_le().map_err(spoilt)?;
-        let begin = cursor.position() as usize;
-        let (content, end) = usize::try_from(length)
-            .ok()
-            .and_then(|length| data[begin..].split_at_checked(length))
-            .ok_or_else(|| "is spoilt: an attachment is longer than its record".to_owned())?;
-        let saved: u32 = Cursor::new(end).read_le().map_err(spoilt)?;
-        if saved != 0 && saved != crc32fast::hash(&data[..begin + content.len()]) {
-            return Err(format!(
-                "is spoilt: the checksum of its `{}` does not fit",
-                header.name
-            ));
+        let mut fields = Fields(data);
+        let (_logged, _created) = (fields.u64()?, fields.u64()?);
+        let (name, _media_type) = (fields.text()?, fields.text()?);
+        let length = fields.u64()?;
+        let content = fields.take(length)?;
+        let checked = &data[..data.len() - fields.0.len()];
+        let saved = fields.u32()?;
+        if saved != 0 && saved != crc32fast::hash(checked) {
+            return Err(format!("is spoilt: the checksum of its `{name}` does not fit"));
         }
-        self.attachments.insert(header.name, content.to_vec());
+        self.attachments.insert(name, content.to_vec());
         Ok(())
     }
 
@@ -302,9 +297,11 @@ impl Found {
             open_gap_mm: self
                 .facts
                 .get(&format!("{FILM_FACTS}{topic}"))
-                .and_then(|facts| facts.get("open_gap_mm")?.parse().ok()),
+                .and_then(|facts| facts.get("open_gap_mm")?.parse().ok())
+                .filter(|gap_mm: &f64| gap_mm.is_finite()),
             topic,
         };
+        film.check_supports()?;
         for (time, picture) in pictures {
             if let Some(figures) = figures.remove(&time) {
                 film.add(Entities(picture.entities), figures)?;
@@ -320,6 +317,19 @@ const SUPPORTS: &str = "/supports";
 const FIGURES: &str = "/figures";
 
 impl RecordedFilm {
+    fn check_supports(&self) -> Told<()> {
+        let points = [&self.annulus_mm, &self.tips_mm]
+            .into_iter()
+            .chain(&self.rings_mm);
+        match points.flatten().flatten().all(|number| number.is_finite()) {
+            true => Ok(()),
+            false => Err(format!(
+                "is spoilt: the supports of `{}` have coordinates that are not finite",
+                self.topic
+            )),
+        }
+    }
+
     fn add(&mut self, picture: Entities, figures: Figures) -> Told<()> {
         let number = figures.frame;
         let wrong = |what: &str| format!("is spoilt: frame {number} of `{}` {what}", self.topic);
@@ -369,7 +379,7 @@ impl Entities {
         self.0.iter().find(|entity| entity.id == id)
     }
 
-    fn triangles(&self) -> Option<&super::message::TriangleListPrimitive> {
+    fn triangles(&self) -> Option<&TriangleListPrimitive> {
         self.named(draw::LEAFLETS)?.triangles.first()
     }
 

@@ -291,6 +291,44 @@ fn spoilt_messages_give_faults_or_numbers() {
     assert!(read > 400 && refused > 400, "{read} {refused}");
 }
 
+/// As coordinates of frames: viewers and panels of others are handed what was read.
+#[test]
+fn supports_that_are_not_finite_are_refused() {
+    let Small {
+        scene, model, film, ..
+    } = small();
+    let ring = Repair::Ring(parse_ring_spec("physio-like:32").unwrap());
+    let report = repair::apply(model, &ring).unwrap().report;
+    let repair::Report::Ring(mut spoilt) = report else {
+        panic!("{report:?}")
+    };
+    let film = Film {
+        open_gap_mm: Some(f64::INFINITY),
+        ..film.clone()
+    };
+    let written = |ring: &repair::RingReport| {
+        let source = Source {
+            scene,
+            repairs_before: &[],
+            repairs: &[],
+        };
+        let repairs = &[repair::Report::Ring(ring.clone())];
+        let filmed = Filmed {
+            model,
+            film: &film,
+            repairs,
+        };
+        read_bytes(&recording(source, filmed, None).unwrap())
+    };
+    // What is no number is not known.
+    assert_eq!(written(&spoilt).unwrap().films[0].open_gap_mm, None);
+    spoilt.curve_mm[1].y = f64::NAN;
+    assert_eq!(
+        written(&spoilt).unwrap_err().message,
+        "is spoilt: the supports of `/valve` have coordinates that are not finite"
+    );
+}
+
 #[test]
 fn what_is_no_recording_is_refused_in_plain_words() {
     let message = |bytes: &[u8]| read_bytes(bytes).unwrap_err().message;
@@ -341,6 +379,28 @@ fn a_size_is_not_believed() {
             bytes.extend([0xff; 100]);
             assert!(read_bytes(&bytes).is_err());
         }
+    }
+}
+
+/// A text that says that it is 4 GB long, in each kind of record that is read. The test of seeds of fuzzing sees that no memory is
+/// asked for it, by `long_text.mcap`.
+#[test]
+fn a_text_that_is_not_there_is_not_believed() {
+    let empty = Container::new().unwrap().finish().unwrap();
+    let header_end = 8 + 9 + u64::from_le_bytes(empty[9..17].try_into().unwrap()) as usize;
+    // Bytes before the first text: channel, chunk, attachment, metadata.
+    for (kind, before) in [(4, 4), (6, 28), (9, 16), (12, 0)] {
+        let mut bytes = empty[..header_end].to_vec();
+        bytes.push(kind);
+        bytes.extend((before as u64 + 14).to_le_bytes());
+        bytes.extend(vec![0; before]);
+        bytes.extend(u32::MAX.to_le_bytes());
+        bytes.extend([b'a'; 10]);
+        assert_eq!(
+            read_bytes(&bytes).unwrap_err().message,
+            "is spoilt: a record ends within what it says that it holds",
+            "{kind}"
+        );
     }
 }
 

@@ -3,7 +3,7 @@
 use super::faults::Faults;
 use crate::Vec3;
 use crate::mesh::point_grid::PointGrid;
-use crate::scene::Scene;
+use crate::scene::{Scene, SurfaceMesh};
 
 /// Largest side of the leaflets' bounding box that is taken for millimetres: the mitral annulus of pigs and
 /// people is 20 to 50 mm wide, leaflets hang 10 to 30 mm (our choice of margins).
@@ -50,12 +50,19 @@ impl Surface {
     }
 }
 
+/// The faces that are triangles. One that uses a point twice is none: cleaning leaves it out, as readers of meshes do, and a point
+/// that only such faces use must not count, lest a scene and the files that it was written to differ in size or in the order of
+/// their points.
+fn triangles(mesh: &SurfaceMesh) -> impl Iterator<Item = &[u32; 3]> {
+    mesh.faces.iter().filter(|[a, b, c]| a != b && b != c && c != a)
+}
+
 /// The leaflets are the size of a valve, if their numbers are millimetres.
 pub(crate) fn check_units(scene: &Scene, faults: &mut Faults) {
     let meshes = scene.leaflets.iter().filter_map(|leaflet| leaflet.mesh.as_ref());
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for mesh in meshes {
-        for &vertex in mesh.faces.iter().flatten() {
+        for &vertex in triangles(mesh).flatten() {
             let point = mesh.points_mm[vertex as usize];
             for axis in 0..3 {
                 low[axis] = low[axis].min(point[axis]);
@@ -64,7 +71,8 @@ pub(crate) fn check_units(scene: &Scene, faults: &mut Faults) {
         }
     }
     let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-    if EXTENT_MM.contains(&extent) {
+    // Where there is no triangle at all, cleaning says so.
+    if EXTENT_MM.contains(&extent) || low[0] > high[0] {
         return;
     }
     let units = [("metres", 1e3), ("centimetres", 10.0), ("micrometres", 1e-3)];
@@ -90,7 +98,7 @@ pub(crate) fn merge(scene: &Scene, faults: &mut Faults) -> Surface {
     for (number, leaflet) in scene.leaflets.iter().enumerate() {
         let Some(mesh) = &leaflet.mesh else { continue };
         let mut used = vec![false; mesh.points_mm.len()];
-        mesh.faces.iter().flatten().for_each(|&v| used[v as usize] = true);
+        triangles(mesh).flatten().for_each(|&v| used[v as usize] = true);
         let before = surface.points.len();
         let mut vertex_of = vec![u32::MAX; used.len()];
         let (mut welded, mut farthest) = (0, 0.0_f64);

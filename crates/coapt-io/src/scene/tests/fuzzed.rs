@@ -35,3 +35,32 @@ fn a_fault_quotes_a_long_word_in_part() {
         );
     }
 }
+
+/// Readers of meshes leave out triangles that use a point twice. In a scene they are left out as well, but a point that only such a
+/// triangle uses stood for the point of the next leaflet that lies on it, and the vertices came in another order.
+#[test]
+fn a_triangle_that_uses_a_point_twice_does_not_count_its_points() {
+    let mut scene = valve(Preset::Healthy, 300);
+    let far = scene.leaflets[1].mesh.as_ref().unwrap().points_mm.last().copied();
+    let mesh = scene.leaflets[0].mesh.as_mut().unwrap();
+    // One lies on the last point of the other leaflet, one where no valve reaches.
+    for point in [far.unwrap(), [500.0, 0.0, 0.0]] {
+        let number = mesh.points_mm.len() as u32;
+        mesh.points_mm.push(point);
+        mesh.faces.push([0, number, 0]);
+    }
+    let built = Model::build(&scene).unwrap();
+    let told = messages(&built.warnings, Severity::Warning).join("\n");
+    assert!(
+        told.contains("triangles that use a point twice are left out (2 such)"),
+        "{told}"
+    );
+    assert!(
+        told.contains("2 points belong to no triangle and are left out"),
+        "{told}"
+    );
+    let folder = Folder::new("a-point-twice", &[]);
+    write_scene(&folder.0, &scene).unwrap();
+    let again = Model::build(&folder.read().unwrap().0).unwrap();
+    assert!(format!("{:?}", built.model) == format!("{:?}", again.model));
+}
