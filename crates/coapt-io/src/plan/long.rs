@@ -55,9 +55,11 @@ const OF_THE_OPEN_VALVE: [OpenMeasurement; 3] = [
     ("Orifice count without pressure", "1", |open| {
         Some(open.openings_mm2.as_ref()?.len() as f64)
     }),
-    ("Mean gradient without pressure, upper estimate", "mmHg", |open| {
-        open.mean_gradient_mmhg
-    }),
+    (
+        "Mean gradient without pressure (upper estimate)",
+        "mmHg",
+        |open| open.mean_gradient_mmhg,
+    ),
 ];
 
 /// A line per measure of each certified closure; its file name is the case with the alternative, its phase mid-systole.

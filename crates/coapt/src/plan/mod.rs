@@ -45,9 +45,12 @@ impl Alternative {
 
     /// Whether the leaflets are joined edge to edge, which leaves less to be flowed through.
     pub fn joins_edges(&self) -> bool {
-        let joins = |repair: &Repair| matches!(repair, Repair::Clip(_) | Repair::Alfieri(_));
-        self.repairs.iter().any(joins)
+        self.repairs.iter().any(joins_edges)
     }
+}
+
+fn joins_edges(repair: &Repair) -> bool {
+    matches!(repair, Repair::Clip(_) | Repair::Alfieri(_))
 }
 
 /// How alternatives are compared.

@@ -16,6 +16,8 @@ const DIAMETER_MM: f64 = 0.31;
 
 /// Neochordae are 14 to 24 mm long; outside twice that range lengths are doubted [mm].
 const PLAUSIBLE_MM: std::ops::RangeInclusive<f64> = 7.0..=48.0;
+/// Other lengths are refused, our choice: a length in centimetres or metres must not tie the margin to the muscle.
+const LENGTH_MM: std::ops::RangeInclusive<f64> = 3.0..=200.0;
 
 /// What was strung.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -151,9 +153,13 @@ fn number_faults(neochord: &Neochord) -> Vec<Fault> {
     );
     if let Some(length) = neochord.length_mm {
         check(
-            length > 0.0 && length <= 200.0,
+            LENGTH_MM.contains(&length),
             "length_mm",
-            format!("is {length} mm, expected above 0 and at most 200"),
+            format!(
+                "is {length} mm, expected {} to {}",
+                LENGTH_MM.start(),
+                LENGTH_MM.end()
+            ),
         );
         check(
             neochord.depth_mm.is_none(),

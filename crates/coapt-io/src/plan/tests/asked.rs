@@ -39,6 +39,13 @@ fn the_open_valve_is_told_where_it_is_certified() {
     ] {
         assert!(head.split(',').any(|it| it == column), "{column}: {head}");
     }
+    // No name holds a comma of its own.
+    for (table, fields) in [(long_csv(&report), 4), (units_csv(), 2)] {
+        assert!(
+            table.lines().all(|line| line.split(',').count() == fields),
+            "{table}"
+        );
+    }
     assert!(long_csv(&report).contains(&format!(",Orifice area without pressure,{area}\n")));
     let open = compared.comparison.rows[0]
         .result
