@@ -12,10 +12,16 @@ const TABLES = Object.fromEntries(Object.entries(STOPS).map(([name, stops]) => [
 
 // Red, green and blue, each from 0 to 1, of a share from 0 to 1 of a map.
 export function colourAt(map, share) {
-  const table = TABLES[map];
+  return putColour([0, 0, 0], 0, TABLES[map], share);
+}
+
+// Writes a colour to its place in many: thousands for each frame of a film.
+function putColour(colours, place, table, share) {
   const at = Math.min(Math.max(Number.isFinite(share) ? share : 0, 0), 1) * (table.length - 1);
   const low = Math.min(Math.floor(at), table.length - 2);
-  return table[low].map((from, channel) => from + (table[low + 1][channel] - from) * (at - low));
+  const [from, to] = [table[low], table[low + 1]];
+  for (let channel = 0; channel < 3; channel += 1) colours[place + channel] = from[channel] + (to[channel] - from[channel]) * (at - low);
+  return colours;
 }
 
 export function css([red, green, blue]) {
@@ -57,7 +63,7 @@ export function niceAbove(value) {
 export function vertexColours(name, values, [low, high]) {
   const { map } = QUANTITIES[name];
   const colours = new Float32Array(values.length * 3);
-  values.forEach((value, vertex) => colours.set(colourAt(map, (value - low) / (high - low)), 3 * vertex));
+  for (let vertex = 0; vertex < values.length; vertex += 1) putColour(colours, 3 * vertex, TABLES[map], (values[vertex] - low) / (high - low));
   return colours;
 }
 
