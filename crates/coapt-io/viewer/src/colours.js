@@ -1,8 +1,10 @@
 // Colour maps that the colour-blind can read, and what is coloured with them.
 
-// Cividis (Nunez et al. 2018), viridis (van der Walt and Smith 2015): nine stops of each. Blue to orange is ours: dark ends, light middle.
+import cividis from "./cividis.json" with { type: "json" };
+
+// Cividis (Nunez et al. 2018; the program's pictures read the same file), viridis (van der Walt and Smith 2015): nine stops of each. Blue to orange is ours: dark ends, light middle.
 const STOPS = {
-  cividis: ["00224e", "123570", "3b496c", "575d6d", "707173", "8a8678", "a59c74", "c3b369", "fee838"],
+  cividis,
   viridis: ["440154", "472d7b", "3b528b", "2c728e", "21918c", "28ae80", "5ec962", "addc30", "fde725"],
   "blue-orange": ["0b4f8a", "2f7fbf", "7db3dd", "c4dcef", "f5f3ee", "fbd9ae", "f3ab5a", "d1751c", "8f4500"],
 };

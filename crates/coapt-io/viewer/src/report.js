@@ -194,11 +194,16 @@ function sectionWords() {
 // Numbers of the table's second and third column, for the state that counts as after.
 function refreshTable() {
   if (!data.after) return;
-  find("after-heading").textContent = states[choice.after].name;
+  const { name, certified } = states[choice.after];
+  // From a shape that is not certified, or to one, nothing has changed.
+  const isTold = certified && states[0].certified;
+  find("after-heading").textContent = name;
+  find("after-doubt").hidden = certified;
   data.rows.forEach(({ digits, values }, row) => {
     const [before, after] = [values[0], values[choice.after]];
     find(`after-${row}`).textContent = number(after, digits);
-    find(`change-${row}`).textContent = before === null || after === null ? "" : number(after - before, digits, true);
+    find(`after-${row}`).classList.toggle("doubted", !certified);
+    find(`change-${row}`).textContent = before === null || after === null || !isTold ? "" : number(after - before, digits, true);
   });
   document.querySelectorAll("tr[data-state]").forEach((line) => line.setAttribute("aria-selected", Number(line.dataset.state) === choice.after));
   document.querySelectorAll("[data-details]").forEach((block) => (block.hidden = ![0, choice.after].includes(Number(block.dataset.details))));

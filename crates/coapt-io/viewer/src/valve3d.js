@@ -49,7 +49,9 @@ function quickRenderer(view) {
     canvas.setAttribute("aria-hidden", "true");
     Object.assign(canvas.style, { position: "absolute", pointerEvents: "none", border: "0" });
     view.canvas.after(canvas);
-    view.quick = createRenderer(canvas, { antialias: false });
+    // Nothing shines through, so that what lies below need not be put together with it.
+    const context = canvas.getContext("webgl2", { alpha: false, antialias: false });
+    view.quick = createRenderer(canvas, { context });
   }
   return view.quick;
 }
