@@ -7,9 +7,21 @@ import { after, before, test } from "node:test";
 import { coapt, folder, launch, open, pixels, settled, write } from "./browser.mjs";
 
 let browser;
+let planText;
 const PLAN = `
 schema_version = 1
 name = "rings & <clips>"
+diastole = true
+sensitivities = true
+
+[search]
+alternative = 0
+key = "size_mm"
+from = 34
+to = 28
+tolerance = 1
+measure = "coaptation/length_a2p2_mm"
+at_least = 6.0
 
 [[alternative]]
 [[alternative.repair]]
@@ -29,7 +41,7 @@ before(async () => {
   coapt("closure", "healthy", "--out", "alone");
   coapt("report", "alone", "-o", "alone.html");
   write("plan.toml", PLAN);
-  coapt("plan", "dilated", "plan.toml", "--out", "plan", "--shapes");
+  planText = coapt("plan", "dilated", "plan.toml", "--out", "plan", "--shapes");
   coapt("report", "plan", "-o", "plan.html");
   browser = await launch();
 });
@@ -208,6 +220,33 @@ test("a plan: rows choose what is shown, the first-ranked at first", async () =>
   assert.equal(cells[3], last.coaptation.area_mm2.toFixed(1));
   assert.equal(await page.locator("[data-details]:visible").count(), 2);
   assert.deepEqual(complaints, []);
+});
+
+test("a plan tells gradients, rates and its search as the program does", async () => {
+  const { page, complaints } = await open(browser, "plan.html");
+  const flat = (text) => text.replace(/\s+/g, " ");
+  const beside = await page.locator(".beside li").allTextContents();
+  const text = flat(planText);
+  for (const line of beside) assert.ok(text.includes(flat(line)), `the program does not say: ${line}`);
+  for (const start of ["open without pressure: ", "per mm of repair[0].size: ", "per 1 % of length"]) {
+    assert.ok(beside.some((line) => line.startsWith(start)), `${start}${beside.join("; ")}`);
+  }
+  const report = JSON.parse(readFileSync(join(folder, "plan", "plan.json"), "utf8"));
+  assert.equal(await page.locator(".beside tr").count(), 1 + report.alternatives.length);
+  assert.ok(text.includes(flat(await page.locator(".search p").textContent()).replace(/\.$/, "")));
+  assert.equal(await page.locator(".search tbody tr").count(), report.search.tried.length);
+  assert.equal(await page.locator(".search tr", { hasText: "the answer" }).count(), 1);
+  assert.match(await page.locator(".alternatives thead").textContent(), /mean gradient, at most \[mmHg\]/);
+  assert.deepEqual(complaints, []);
+});
+
+test("on a desktop the measures have room: nothing scrolls but the page", async () => {
+  for (const name of ["ring.html", "plan.html"]) {
+    const { page } = await open(browser, name);
+    const [all, seen] = await page.locator(".numbers .scroll").evaluate((box) => [box.scrollHeight, box.clientHeight]);
+    assert.ok(all > 600 && all <= seen, `${all} in ${seen}`);
+    assert.ok(await page.evaluate(() => document.scrollingElement.scrollWidth <= window.innerWidth));
+  }
 });
 
 test("a tablet shows everything without scrolling sideways, paper has pictures and tables", async () => {
