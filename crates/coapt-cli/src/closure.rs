@@ -8,7 +8,7 @@ use coapt::model::{Built, Model};
 use coapt::plan::{Applied, apply_all};
 use coapt::repair::parse_ring_spec;
 use coapt::scene::{Fault, Repair};
-use coapt_io::picture::{Quantity, write_closure_picture};
+use coapt_io::picture::{Quantity, check_name, write_closure_picture};
 use coapt_io::plan::in_plan;
 use coapt_io::record::Source;
 use coapt_io::report::{Closed, Closure, Report, text, write_results};
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Also draw the closed valve, before and after, from the atrium and from the side: a PNG file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
     /// What the picture is coloured by
     #[arg(long, value_enum, default_value_t = Colour::Gap, requires = "picture")]
@@ -98,6 +98,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     arguments.film.prepare()?;
     if let Some(path) = &arguments.picture {
         is_no_folder("--picture", path)?;
+        check_name("--picture", path).map_err(|fault| vec![fault])?;
     }
     let (closure, report, films) = on_threads(arguments.threads, || {
         let closure = close(built, plan.as_ref())?;

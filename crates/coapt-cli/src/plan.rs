@@ -11,7 +11,7 @@ use coapt::model::{Built, Model, size};
 use coapt::personalise::Watch;
 use coapt::plan::{self, Applied, Comparison, Progress, apply_all};
 use coapt::scene::{Fault, Repair, Scene};
-use coapt_io::plan::{PlanFile, Stage, carry_out, prepare_shapes, text, write_plan};
+use coapt_io::plan::{PlanFile, Stage, carry_out, filmed, prepare_shapes, text, write_plan};
 use coapt_io::record::Source;
 use coapt_io::report::Closed;
 use coapt_io::scene::{ALTERNATIVE_LIMIT, Alternatives, SAMPLE_LIMIT, alternatives_from_text, read_text};
@@ -140,8 +140,7 @@ struct Best {
 
 impl Best {
     fn film(film: &FilmArguments, model: &Model, plan: &Alternatives, comparison: &Comparison) -> Self {
-        let first = comparison.rows.first().filter(|row| row.rank.is_some());
-        let first = first.map(|row| &plan.alternatives[row.alternative]);
+        let first = filmed(plan, comparison);
         match first {
             Some(alternative) => say(&format!(
                 "filming the valve as it is and after `{}` ...",

@@ -36,7 +36,7 @@ pub struct Goal<F> {
 }
 
 /// A value that was tried.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tried {
     /// The value of the parameter.
     pub value: f64,

@@ -168,6 +168,18 @@ fn wrong_usage_and_what_is_no_recording_are_status_2() {
     assert_eq!(coapt(&["closure", "--record", &inside]).status.code(), Some(1));
 }
 
+/// A picture under another name would be opened by programs for that name.
+#[test]
+fn a_picture_that_is_not_called_png_is_refused() {
+    let folder = Folder::new("picture-wrong");
+    let never = folder.path("never.jpg");
+    let output = coapt(&["closure", "--picture", &never]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    let told = "never.jpg would hold a PNG picture, the only kind that is written; expected a name that ends in .png";
+    assert!(stderr(&output).contains(told), "{}", stderr(&output));
+    assert!(!Path::new(&never).exists());
+}
+
 /// The best alternative is filmed, and ends where the comparison found it.
 #[test]
 fn a_plan_records_the_alternative_that_ranks_first() {

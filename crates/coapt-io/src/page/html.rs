@@ -7,7 +7,10 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::{Page, PageState, Seals};
-use crate::plan::Trust;
+use crate::plan::below;
+use crate::plan::search::{sentence, tried};
+use crate::plan::text::{LIKELY, OPEN};
+use crate::plan::{Closed, SearchReport, Trust};
 use crate::report::{
     LeftOutReport, RepairReport, TableRow, UntangledReport, is_zero, left_out_line, number, reasons,
     repair_line, untangled_line,
@@ -32,7 +35,7 @@ pub(super) fn fill(page: &Page, data: &str) -> String {
         ("verdicts", verdicts(page) + &changed(page)),
         ("choices", choices(page)),
         ("measures", measures(page)),
-        ("alternatives", alternatives(page)),
+        ("alternatives", alternatives(page) + &beside(page) + &search(page)),
         ("trust", trust(page)),
         ("report", word(&report)),
         ("data", data.to_owned()),
@@ -156,15 +159,25 @@ fn place(state: &PageState) -> String {
 fn measures(page: &Page) -> String {
     let mut out = String::from("<h2>Measures</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th>");
     let after = page.states.get(1);
+    let certified = |state: Option<&PageState>| state.is_none_or(|state| state.certificate.certified);
+    let trusted = [certified(page.states.first()), certified(after)];
     match after {
         Some(after) => {
             let _ = write!(
                 out,
-                "</th><th></th><th>before</th><th id=\"after-heading\">{}</th><th>change</th>",
-                word(&after.name)
+                "</th><th></th><th>before{}</th><th><span id=\"after-heading\">{}</span>{}</th><th>change</th>",
+                mark("before-doubt", trusted[0]),
+                word(&after.name),
+                mark("after-doubt", trusted[1])
             );
         }
-        None => out += "</th><th></th><th>closed</th>",
+        None => {
+            let _ = write!(
+                out,
+                "</th><th></th><th>closed{}</th>",
+                mark("before-doubt", trusted[0])
+            );
+        }
     }
     out += "</tr></thead>\n<tbody>\n";
     let mut title = "";
@@ -177,22 +190,34 @@ fn measures(page: &Page) -> String {
                 word(title)
             );
         }
-        out += &measure(place, row, after.is_some());
+        out += &measure(place, row, after.is_some(), trusted);
     }
     out + "</tbody></table></div>"
 }
 
-fn measure(place: usize, row: &TableRow, has_after: bool) -> String {
+/// What stands below the heading of a column whose figures are no results.
+fn mark(id: &str, is_trusted: bool) -> String {
+    let hidden = if is_trusted { " hidden" } else { "" };
+    format!("<span id=\"{id}\" class=\"uncertified mark\"{hidden}>{NOT_CERTIFIED}</span>")
+}
+
+/// A row of the table of measures. From a shape that is not certified, or to one, nothing has changed.
+fn measure(place: usize, row: &TableRow, has_after: bool, trusted: [bool; 2]) -> String {
     let told = |value: Option<f64>| value.map_or("–".to_owned(), |value| readable(value, row.digits));
     let [before, after] = [0, 1].map(|state| row.values.get(state).copied().flatten());
+    let doubted = trusted.map(|is_trusted| if is_trusted { "" } else { " class=\"doubted\"" });
     let mut out = format!(
-        "<tr><td>{}</td><td class=\"unit\">{}</td><td>{}</td>",
+        "<tr><td>{}</td><td class=\"unit\">{}</td><td{}>{}</td>",
         word(&row.name),
         row.unit,
+        doubted[0],
         told(before)
     );
     if has_after {
-        let change = before.zip(after).map(|(before, after)| after - before);
+        let change = before
+            .zip(after)
+            .filter(|_| trusted == [true; 2])
+            .map(|(before, after)| after - before);
         let sign = match change {
             Some(change) if change > 0.0 && !is_zero(change, row.digits) => "+",
             _ => "",
@@ -200,7 +225,8 @@ fn measure(place: usize, row: &TableRow, has_after: bool) -> String {
         let change = change.map_or(String::new(), |change| readable(change, row.digits));
         let _ = write!(
             out,
-            "<td id=\"after-{place}\">{}</td><td id=\"change-{place}\">{sign}{change}</td>",
+            "<td id=\"after-{place}\"{}>{}</td><td id=\"change-{place}\">{sign}{change}</td>",
+            doubted[1],
             told(after)
         );
     }
@@ -230,7 +256,7 @@ const fn column(heading: &'static str, path: &'static str, digits: usize) -> Col
     }
 }
 
-const COLUMNS: [Column; 9] = [
+const COLUMNS: [Column; 10] = [
     column("orifice [mm²]", "/orifice/area_mm2", 1),
     column("widest gap [mm]", "/orifice/max_gap_mm", 1),
     column("coaptation at A2-P2 [mm]", "/coaptation/length_a2p2_mm", 1),
@@ -239,6 +265,7 @@ const COLUMNS: [Column; 9] = [
     column("tenting [mm]", "/tenting/height_mm", 1),
     column("largest chord force [N]", "/chords/max_force_n", 2),
     column("open orifice [mm²]", "/diastole/area_mm2", 0),
+    column("mean gradient, at most [mmHg]", "/diastole/mean_gradient_mmhg", 1),
     Column {
         factor: 100.0,
         ..column("seals [%]", "/uncertainty/sealed/estimate", 0)
@@ -272,7 +299,9 @@ fn alternatives(page: &Page) -> String {
         let _ = write!(out, "<th>{}</th>", column.heading);
     }
     out += "</tr></thead>\n<tbody>\n";
-    out += &alternative("", "before (nothing done)", "", &page.report["before"], &columns);
+    let before = &page.report["before"];
+    let doubted = if is_certified(before) { "" } else { NOT_CERTIFIED };
+    out += &alternative(doubted, "before (nothing done)", "", before, &columns);
     // Shapes were taken in the order of the rows.
     let mut shapes = 1..page.states.len();
     for row in rows {
@@ -280,7 +309,7 @@ fn alternatives(page: &Page) -> String {
         let rank = match (row["rank"].as_u64(), certified) {
             (Some(rank), _) => rank.to_string(),
             (None, Some(true)) => "no repair: it only takes chordae away".to_owned(),
-            (None, Some(false)) => "not certified".to_owned(),
+            (None, Some(false)) => NOT_CERTIFIED.to_owned(),
             (None, None) => "refused".to_owned(),
         };
         let chosen = row["solve"].is_object().then(|| shapes.next()).flatten();
@@ -304,9 +333,21 @@ fn alternatives(page: &Page) -> String {
     out + "</tbody></table></div>\n</section>"
 }
 
+/// What stands in place of a rank.
+const NOT_CERTIFIED: &str = "NOT CERTIFIED";
+
+fn is_certified(closed: &Value) -> bool {
+    closed["solve"]["certified"] == true
+}
+
 fn alternative(rank: &str, name: &str, attributes: &str, told: &Value, columns: &[&Column]) -> String {
+    // Figures of a shape that is not certified must not look like results.
+    let doubted = match told["solve"].is_object() && !is_certified(told) {
+        true => " class=\"doubted\"",
+        false => "",
+    };
     let mut out = format!(
-        "<tr{attributes}><td>{rank}</td><td class=\"name\">{}</td>",
+        "<tr{attributes}{doubted}><td>{rank}</td><td class=\"name\">{}</td>",
         word(name)
     );
     for column in columns {
@@ -315,6 +356,80 @@ fn alternative(rank: &str, name: &str, attributes: &str, told: &Value, columns: 
         let _ = write!(out, "<td>{}</td>", told.unwrap_or_else(|| "–".to_owned()));
     }
     out + "</tr>\n"
+}
+
+/// What is told of each valve beside its measures, in the words of [`crate::plan::text`]: what flows back, the open valve, an ensemble,
+/// rates. Nothing where nothing of it is known.
+fn beside(page: &Page) -> String {
+    if page.plan.is_none() {
+        return String::new();
+    }
+    let before = Closed::deserialize(&page.report["before"]).ok();
+    let mut out = String::new();
+    let mut tell = |name: &str, closed: &Closed, before: Option<&Closed>| {
+        let lines: Vec<String> = below::lines(closed, before)
+            .iter()
+            .map(|line| format!("<li>{}</li>", word(line)))
+            .collect();
+        let doubt = match closed.solve.certified {
+            true => "",
+            false => " <span class=\"uncertified\">NOT CERTIFIED</span>",
+        };
+        if !lines.is_empty() {
+            let _ = writeln!(
+                out,
+                "<tr><th scope=\"row\">{}{doubt}</th><td><ul>{}</ul></td></tr>",
+                word(name),
+                lines.concat()
+            );
+        }
+    };
+    if let Some(before) = &before {
+        tell("before (nothing done)", before, None);
+    }
+    for row in page.report["alternatives"].as_array().into_iter().flatten() {
+        if let Ok(closed) = Closed::deserialize(row) {
+            tell(row["name"].as_str().unwrap_or("?"), &closed, before.as_ref());
+        }
+    }
+    if out.is_empty() {
+        return out;
+    }
+    let is_asked = |of: fn(&Closed) -> bool| before.as_ref().is_some_and(of);
+    let notes = [
+        (is_asked(|closed| closed.diastole.is_some()), "Open orifice", OPEN),
+        (is_asked(|closed| closed.uncertainty.is_some()), "Valves", LIKELY),
+    ];
+    let notes = notes.into_iter().filter(|(is_told, ..)| *is_told);
+    let notes: String = notes
+        .map(|(_, name, told)| format!("<p class=\"words\">{name}: {}.</p>\n", word(told)))
+        .collect();
+    format!(
+        "<section class=\"beside\" aria-label=\"Beside the measures\">\n<h2>Beside the measures</h2>\n<table><tbody>\n{out}</tbody></table>\n{notes}</section>\n"
+    )
+}
+
+/// What was sought and found; nothing where nothing was.
+fn search(page: &Page) -> String {
+    let Ok(report) = SearchReport::deserialize(&page.report["search"]) else {
+        return String::new();
+    };
+    let rows: String = tried(&report)
+        .map(|[value, measured, mark]| {
+            let class = match &*mark {
+                "NOT CERTIFIED" => " class=\"doubted\"",
+                _ => "",
+            };
+            format!("<tr{class}><td>{value}</td><td>{measured}</td><td class=\"name\">{mark}</td></tr>\n")
+        })
+        .collect();
+    format!(
+        "<section class=\"search\" aria-label=\"Search\">\n<h2>Search</h2>\n<p>{}.</p>\n<table>\n<thead><tr><th scope=\"col\">{}</th>\
+         <th scope=\"col\">{}</th><th class=\"name\">values tried</th></tr></thead>\n<tbody>\n{rows}</tbody></table>\n</section>\n",
+        word(&sentence(&report)),
+        word(&report.key),
+        word(&report.measure)
+    )
 }
 
 fn ranked_by(report: &Value) -> String {
@@ -350,10 +465,6 @@ fn trust(page: &Page) -> String {
     let repairs = page.report["repairs"].as_array().into_iter().flatten();
     let repairs = repairs.filter_map(|repair| RepairReport::deserialize(repair).ok());
     out += &told("What was done", repairs.map(|repair| repair_line(&repair)));
-    if page.plan.is_some() {
-        out += "<p class=\"words\">What the plan was asked for beyond closures (gradients, ensembles, rates, a search) stands in the whole \
-                result below, and in what <code>coapt plan</code> prints.</p>\n";
-    }
     let of_alternatives = page.report["alternatives"].as_array().into_iter().flatten();
     let warnings = std::iter::once(&page.report)
         .chain(of_alternatives)

@@ -1,7 +1,16 @@
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use coapt::plan::Comparison;
+use coapt::plan::ensemble::{Interval, Probability};
+use coapt::relax::Status;
+use coapt::search::Tried;
+
 use super::*;
+use crate::plan::tests::{compared_with, report as plan_report};
+use crate::plan::text::{LIKELY, OPEN};
+use crate::plan::{PlanReport, Sampled, SearchReport, below, rates_of, write_plan};
 use crate::report::tests::closure_of;
 use crate::report::{Report, write_results};
 
@@ -97,6 +106,138 @@ fn what_is_not_certified_says_so() {
     let html = page_html(&page).unwrap();
     assert!(html.contains("after: NOT CERTIFIED (surfaces cross at 3 edges)"));
     assert!(html.contains("before: CERTIFIED"));
+}
+
+/// A small plan of two clips, written with its shapes, and its page.
+fn plan_page(folder: &Path, change: impl Fn(&mut Comparison)) -> (PlanReport, String) {
+    let plan = "schema_version = 1\n[[alternative]]\n[[alternative.repair]]\nkind = \"clip\"\nsite = [\"A1P1\", \"A2P2\"]\n";
+    let mut compared = compared_with(plan, true);
+    change(&mut compared.comparison);
+    let rates = rates_of(&compared.model, &[], &compared.comparison.before);
+    let mut report = plan_report(&compared).with_rates(&rates, &[]);
+    let sealed = Some(Probability {
+        estimate: 0.5,
+        low: 0.19,
+        high: 0.81,
+    });
+    let lengths = Interval {
+        low: 1.24,
+        median: 2.0,
+        high: 3.06,
+    };
+    report.before.uncertainty = Some(Sampled {
+        samples: 8,
+        certified: 6,
+        refused: 1,
+        sealed,
+        intervals: BTreeMap::from([("coaptation_length".to_owned(), lengths)]),
+    });
+    let tried = |value, measured, certified| Tried {
+        value,
+        measured,
+        certified,
+    };
+    report.search = Some(SearchReport {
+        place: "alternative[0].repair[0]".to_owned(),
+        key: "position".to_owned(),
+        from: 0.4,
+        to: 0.6,
+        tolerance: 0.01,
+        measure: "coaptation/<length>".to_owned(),
+        at_least: Some(3.0),
+        at_most: None,
+        answer: Some(tried(0.5, 3.25, true)),
+        lost_again: None,
+        repairs: Vec::new(),
+        tried: vec![
+            tried(0.4, 2.0, true),
+            tried(0.45, 9.0, false),
+            tried(0.5, 3.25, true),
+        ],
+    });
+    write_plan(
+        folder,
+        &report,
+        &compared.model,
+        &compared.plan,
+        &compared.comparison,
+    )
+    .unwrap();
+    let html = page_html(&read_page(folder, 30).unwrap()).unwrap();
+    (report, html)
+}
+
+/// Words without line breaks and what a page writes otherwise.
+fn plain(text: &str) -> String {
+    let text = text
+        .replace("&lt;", "<")
+        .replace("&gt;", ">")
+        .replace("&apos;", "'");
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Gradients, ensembles, rates and the search are told on the page in the words of the text: no line of it lacks.
+#[test]
+fn a_plan_tells_on_its_page_what_its_text_tells() {
+    let folder = Folder::new("beside");
+    let (report, html) = plan_page(folder.path(), |_| {});
+    let [text, html] = [crate::plan::text(&report), html].map(|told| plain(&told));
+    let closed = report.alternatives.iter().filter_map(|row| row.closed.as_ref());
+    let told: Vec<String> = closed
+        .map(|closed| below::lines(closed, Some(&report.before)))
+        .chain([below::lines(&report.before, None)])
+        .flatten()
+        .collect();
+    for start in [
+        "open without pressure",
+        "seals in 50 % of 6 valves",
+        "median (nine of ten)",
+        "per 1 % of length",
+    ] {
+        assert!(
+            told.iter().any(|line| line.starts_with(start)),
+            "{start}: {told:?}"
+        );
+    }
+    for line in &told {
+        assert!(text.contains(line), "{line} is not in the text");
+        assert!(
+            html.contains(&format!("<li>{line}</li>")),
+            "{line} is not on the page"
+        );
+    }
+    let sought = "the first `position` of alternative[0].repair[0] from 0.4 to 0.6 that gives coaptation/<length> of 3 or more is 0.500";
+    assert!(text.contains(sought), "{text}");
+    assert!(html.contains(sought));
+    assert!(html.contains("<td>0.450</td><td>9.000</td><td class=\"name\">NOT CERTIFIED</td>"));
+    assert!(html.contains("mean gradient, at most [mmHg]"));
+    for note in [LIKELY, OPEN] {
+        assert!(text.contains(note) && html.contains(note), "{note}");
+    }
+}
+
+/// Figures of a valve as it is that is not certified must not look like results: they are marked, and nothing has changed from them.
+#[test]
+fn an_uncertified_valve_before_is_marked() {
+    let folder = Folder::new("doubted");
+    let (_, html) = plan_page(folder.path(), |_| {});
+    let marks = "<span id=\"before-doubt\" class=\"uncertified mark\" hidden>";
+    assert!(html.contains(marks) && !html.contains("class=\"doubted\"><td>NOT CERTIFIED</td>"));
+    let (_, html) = plan_page(folder.path(), |comparison| {
+        comparison.before.status = Status::Stalled
+    });
+    assert!(html.contains("<span id=\"before-doubt\" class=\"uncertified mark\">NOT CERTIFIED</span>"));
+    assert!(html.contains(
+        "<tr class=\"doubted\"><td>NOT CERTIFIED</td><td class=\"name\">before (nothing done)</td>"
+    ));
+    let changes: Vec<&str> = html.split("<td id=\"change-").skip(1).collect();
+    assert!(changes.len() > 30, "{}", changes.len());
+    for change in changes {
+        let told = change
+            .split_once('>')
+            .and_then(|(_, rest)| rest.split_once("</td>"));
+        assert_eq!(told.map(|(told, _)| told), Some(""), "{change}");
+    }
 }
 
 /// Every way in which a folder may be wrong is told with its file.

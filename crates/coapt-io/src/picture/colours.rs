@@ -18,10 +18,22 @@ const LEAFLETS: [Colour; 4] = [
     [0.6, 0.44, 0.69],
 ];
 
-/// Cividis (Nunez et al. 2018), nine stops.
-const CIVIDIS: [u32; 9] = [
-    0x00_224e, 0x12_3570, 0x3b_496c, 0x57_5d6d, 0x70_7173, 0x8a_8678, 0xa5_9c74, 0xc3_b369, 0xfe_e838,
-];
+/// Cividis (Nunez et al. 2018), nine stops, from the file that the page's script is built with: a list of words is written alike in
+/// JSON and here.
+const CIVIDIS: [u32; 9] = numbers(include!("../../viewer/src/cividis.json"));
+
+const fn numbers(words: [&str; 9]) -> [u32; 9] {
+    let mut numbers = [0; 9];
+    let mut at = 0;
+    while at < numbers.len() {
+        numbers[at] = match u32::from_str_radix(words[at], 16) {
+            Ok(number) => number,
+            Err(_) => panic!("a colour has six hexadecimal digits"),
+        };
+        at += 1;
+    }
+    numbers
+}
 
 /// What a valve is coloured by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

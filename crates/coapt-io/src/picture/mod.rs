@@ -54,11 +54,32 @@ pub fn picture_png(frame: &ValveFrame, valves: &[Shown], quantity: Quantity) -> 
     Ok(bytes)
 }
 
+/// Sees that a file is called what it will be: `picture.jpg` would hold a PNG.
+///
+/// # Errors
+/// A name that does not end in `.png`.
+pub fn check_name(place: &str, path: &Path) -> Result<(), Fault> {
+    let is_png = path
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    match is_png {
+        true => Ok(()),
+        false => Err(Fault::error(
+            place,
+            format!(
+                "{} would hold a PNG picture, the only kind that is written; expected a name that ends in .png",
+                path.display()
+            ),
+        )),
+    }
+}
+
 /// Writes a picture of a closed valve, and of the same closed after a plan, to a PNG file.
 ///
 /// # Errors
-/// An annulus without a plane, and what the file system says; the old file is then untouched.
+/// As [`check_name`], an annulus without a plane, and what the file system says; the old file is then untouched.
 pub fn write_closure_picture(path: &Path, closure: &Closure, quantity: Quantity) -> Result<(), Fault> {
+    check_name("picture", path)?;
     let fault = |message: String| Fault::error(path.display().to_string(), message);
     let before = &closure.before;
     let frame = valve_frame(&before.model, &before.equilibrium.state.positions_mm);

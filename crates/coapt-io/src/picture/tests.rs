@@ -9,6 +9,22 @@ fn geometry(closed: &Closed) -> Geometry {
     Geometry::of_closed_surface(&closed_surface(&closed.model, positions)).unwrap()
 }
 
+/// What is written is PNG, and must be called so.
+#[test]
+fn a_picture_is_called_what_it_is() {
+    for name in ["closed.png", "out/closed.PNG"] {
+        assert_eq!(check_name("--picture", Path::new(name)), Ok(()));
+    }
+    for name in ["closed.jpg", "closed", ".png", "png"] {
+        let fault = check_name("--picture", Path::new(name)).unwrap_err();
+        let told = crate::scene::sentence(&fault);
+        assert!(
+            told.contains(name) && told.contains("PNG") && told.contains("ends in .png"),
+            "{told}"
+        );
+    }
+}
+
 /// A picture of a valve before and after a ring can be read by any reader, has ink where the valve is and none in its corners, and
 /// comes out the same twice.
 #[test]

@@ -6,31 +6,24 @@ use coapt::plan::Criterion;
 use coapt::plan::ensemble::SEALED_BELOW_MM2;
 
 use super::{Closed, Open, Rate, Sampled, Sensitivities};
-use crate::report::{number, reasons, wrapped};
+use crate::report::{number, reasons};
 
-/// All lines of a closed valve, each begun with `indent` blanks; `before` is the valve as it is, for one after repair.
-pub(super) fn lines(out: &mut String, indent: usize, closed: &Closed, before: Option<&Closed>) {
-    let start = " ".repeat(indent);
-    let mut line = |text: String| wrapped(out, &start, &text);
+/// All lines of a closed valve; `before` is the valve as it is, for one after repair.
+pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
+    let mut lines = Vec::new();
     if closed.solve.certified && closed.measures.orifice.area_mm2 >= SEALED_BELOW_MM2 {
         let [sharp, rounded] = closed.regurgitant_volume_ml;
-        line(format!(
+        lines.push(format!(
             "lets back {} to {} mL a beat, by estimate, if the pressure held",
             number(sharp, 0),
             number(rounded, 0)
         ));
     }
-    closed
-        .diastole
-        .as_ref()
-        .into_iter()
-        .for_each(|it| line(of_open(it, before.and_then(|before| before.diastole.as_ref()))));
-    if let Some(sampled) = &closed.uncertainty {
-        of_sampled(sampled).into_iter().for_each(&mut line);
-    }
-    if let Some(sensitivities) = &closed.sensitivities {
-        of_rates(sensitivities).into_iter().for_each(&mut line);
-    }
+    let open_before = before.and_then(|before| before.diastole.as_ref());
+    lines.extend(closed.diastole.as_ref().map(|open| of_open(open, open_before)));
+    lines.extend(closed.uncertainty.as_ref().map(of_sampled).unwrap_or_default());
+    lines.extend(closed.sensitivities.as_ref().map(of_rates).unwrap_or_default());
+    lines
 }
 
 fn of_open(open: &Open, before: Option<&Open>) -> String {
@@ -143,7 +136,7 @@ fn unit_of(key: &str) -> Option<(&str, &'static str)> {
         .find_map(|(end, unit)| Some((key.strip_suffix(end)?, unit)))
 }
 
-fn changes(per_unit: &BTreeMap<&str, f64>, step: f64) -> String {
+fn changes(per_unit: &BTreeMap<String, f64>, step: f64) -> String {
     let told = Criterion::ALL.into_iter().filter_map(|criterion| {
         let (name, unit, scale, digits) = shown(criterion);
         let change = number(scale * step * per_unit.get(criterion.name())?, digits);

@@ -1,7 +1,9 @@
 //! Carrying a plan out: the search, the alternatives, the ensembles, the rates, each where it is asked for.
 
 use coapt::model::Model;
-use coapt::plan::{Comparison, Progress, Row, Settings, Watch, compare_watched, summaries, wrong_input};
+use coapt::plan::{
+    Alternative, Comparison, Progress, Row, Settings, Watch, compare_watched, summaries, wrong_input,
+};
 use coapt::scene::Fault;
 use rayon::prelude::*;
 
@@ -82,6 +84,13 @@ pub fn carry_out(
         }
     }
     Ok((report, comparison))
+}
+
+/// The alternative that is filmed, beside the valve as it is: the one that ranks first. None where nothing has a rank.
+pub fn filmed<'a>(plan: &'a Alternatives, comparison: &Comparison) -> Option<&'a Alternative> {
+    // Rows are sorted: what has a rank comes first.
+    let first = comparison.rows.first().filter(|row| row.rank.is_some())?;
+    plan.alternatives.get(first.alternative)
 }
 
 /// What the work of a stage made.

@@ -7,14 +7,14 @@
 //! | `plan_long.csv`, `plan_units.csv` | a line per measure of a certified closure, in the long layout of `SlicerHeart`'s batch export, with its table of units |
 //! | `shapes/NUMBER_NAME.vtp`, `..._chords.vtp`, `..._ring.vtp` | the closed leaflets of each alternative, its chords and its ring, where asked for |
 
-mod below;
+pub(crate) mod below;
 mod carry_out;
 mod files;
 mod long;
 mod more;
-mod search;
+pub(crate) mod search;
 mod table;
-mod text;
+pub(crate) mod text;
 
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 use crate::report::{MeshSize, NOTICE};
 use crate::scene::{Alternatives, locate, sentence};
 
-pub use carry_out::{OnStage, Stage, carry_out};
+pub use carry_out::{OnStage, Stage, carry_out, filmed};
 pub use files::{prepare_shapes, write_plan};
 pub use long::{long_csv, units_csv};
 pub use more::{Open, Rate, RatesFound, Sampled, Sensitivities, rates_of};
@@ -98,14 +98,15 @@ pub struct AnatomicLimit {
 
 /// The limits whose measures mean what ours do: coaptation length at A2-P2. Not among them: coaptation depth, flail gap and width,
 /// which are taken in echo sections that our measures do not cut, and the mitral valve area, which is that of an open valve in flow.
-fn anatomic_limits(plan: &Alternatives, before: &Measures) -> Vec<AnatomicLimit> {
-    if !plan.alternatives.iter().any(Alternative::joins_edges) {
+fn anatomic_limits(plan: &Alternatives, before: &Outcome) -> Vec<AnatomicLimit> {
+    // A shape without a certificate has no figures to be held against anything.
+    if !before.is_certified() || !plan.alternatives.iter().any(Alternative::joins_edges) {
         return Vec::new();
     }
     vec![AnatomicLimit {
         repair: "edge-to-edge",
         measure: "coaptation.length_a2p2_mm",
-        value: before.coaptation.length_a2p2_mm,
+        value: before.measures.coaptation.length_a2p2_mm,
         at_least: 2.0,
         source: "EACVI",
     }]
@@ -145,7 +146,7 @@ pub struct Row {
 }
 
 /// A closed state.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Closed {
     /// How far it can be trusted.
     pub solve: Trust,
@@ -239,7 +240,7 @@ impl PlanReport {
             before: closed(&comparison.before),
             alternatives: rows.collect(),
             search: None,
-            anatomic_limits: anatomic_limits(plan, &comparison.before.measures),
+            anatomic_limits: anatomic_limits(plan, &comparison.before),
             warnings: warnings.iter().map(sentence).collect(),
         }
     }
@@ -372,4 +373,4 @@ impl<'a> Lines<'a> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -7,13 +7,13 @@ use coapt::plan::ensemble::{Interval, Probability};
 use coapt::plan::{Diastole, Number, Outcome, Rates, Summaries, Summary, rates};
 use coapt::relax::Status;
 use coapt::scene::{Fault, Repair};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::PlanReport;
 use crate::scene::{number_keys, sentence, with_number};
 
 /// The valve that no pressure closes nor any flow opens: blood passes through more, under less of a gradient.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Open {
     /// Whether the result may be used.
     pub certified: bool,
@@ -54,7 +54,7 @@ impl Open {
 }
 
 /// What an ensemble came to. Figures are those of the certified samples.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sampled {
     /// Valves in it.
     pub samples: usize,
@@ -66,7 +66,7 @@ pub struct Sampled {
     pub sealed: Option<Probability>,
     /// Median and 5 to 95 % of each criterion, in its unit.
     #[serde(flatten)]
-    pub intervals: BTreeMap<&'static str, Interval>,
+    pub intervals: BTreeMap<String, Interval>,
 }
 
 impl Sampled {
@@ -78,7 +78,7 @@ impl Sampled {
             refused: summary.refused,
             sealed: summary.sealed,
             intervals: intervals
-                .map(|(criterion, interval)| (criterion.name(), *interval))
+                .map(|(criterion, interval)| (criterion.name().to_owned(), *interval))
                 .collect(),
         }
     }
@@ -88,13 +88,13 @@ impl Sampled {
 pub type Sensitivities = BTreeMap<String, Rate>;
 
 /// Rates with one number, or why there are none.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rate {
     /// Its value here.
     pub value: f64,
     /// How fast each criterion changes, in its unit per unit of the number.
     #[serde(flatten)]
-    pub per_unit: BTreeMap<&'static str, f64>,
+    pub per_unit: BTreeMap<String, f64>,
     /// Why there are none; absent where there are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub missing: Option<String>,
@@ -178,7 +178,7 @@ fn told(found: &RatesFound) -> Option<Sensitivities> {
         per_unit: match &rates.rates {
             Ok(rates) => rates
                 .iter()
-                .map(|(criterion, rate)| (criterion.name(), *rate))
+                .map(|(criterion, rate)| (criterion.name().to_owned(), *rate))
                 .collect(),
             Err(_) => BTreeMap::new(),
         },

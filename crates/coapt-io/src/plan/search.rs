@@ -9,7 +9,7 @@ use coapt::plan::{Criterion, apply_all};
 use coapt::relax::Moment;
 use coapt::scene::{Fault, Repair};
 use coapt::search::{Goal, Tried, search_watched};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::in_plan;
 use super::table::numbers;
@@ -17,7 +17,7 @@ use crate::report::{line, number};
 use crate::scene::{Bound, Search, nearest, sentence as said, with_number};
 
 /// What was sought and what was found.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SearchReport {
     /// Where the repair stands whose number was sought.
     pub place: String,
@@ -176,19 +176,22 @@ pub(super) fn told(out: &mut String, report: &SearchReport) {
     let width = report.key.len().max(COLUMN);
     // Writing to a string cannot fail.
     let _ = writeln!(out, "  {:>width$}  {}", report.key, report.measure);
-    for tried in &report.tried {
+    for [value, measured, mark] in tried(report) {
+        let line = format!("  {value:>width$}  {measured:>COLUMN$}  {mark}");
+        let _ = writeln!(out, "{}", line.trim_end());
+    }
+}
+
+/// The values tried as cells: value, measure, and what it is.
+pub(crate) fn tried(report: &SearchReport) -> impl Iterator<Item = [String; 3]> {
+    report.tried.iter().map(|tried| {
         let mark = match (tried.certified, report.answer.as_ref() == Some(tried)) {
-            (false, _) => "  NOT CERTIFIED",
-            (true, true) => "  the answer",
+            (false, _) => "NOT CERTIFIED",
+            (true, true) => "the answer",
             (true, false) => "",
         };
-        let _ = writeln!(
-            out,
-            "  {:>width$}  {:>COLUMN$}{mark}",
-            shown(tried.value),
-            shown(tried.measured)
-        );
-    }
+        [shown(tried.value), shown(tried.measured), mark.to_owned()]
+    })
 }
 
 const COLUMN: usize = 10;
@@ -198,7 +201,8 @@ fn shown(value: f64) -> String {
     number(value, 3)
 }
 
-fn sentence(report: &SearchReport) -> String {
+/// The answer in a sentence.
+pub(crate) fn sentence(report: &SearchReport) -> String {
     let SearchReport {
         key,
         from,

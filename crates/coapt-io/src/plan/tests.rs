@@ -20,17 +20,17 @@ const FILE: PlanFile = PlanFile {
     text: PLAN,
 };
 
-struct Compared {
-    model: Model,
-    plan: Alternatives,
-    comparison: Comparison,
+pub(crate) struct Compared {
+    pub(crate) model: Model,
+    pub(crate) plan: Alternatives,
+    pub(crate) comparison: Comparison,
 }
 
 fn compared() -> Compared {
     compared_with(PLAN, false)
 }
 
-fn compared_with(plan: &str, diastole: bool) -> Compared {
+pub(crate) fn compared_with(plan: &str, diastole: bool) -> Compared {
     let parameters = ValveParameters {
         face_count_target: 200,
         name: "a, \"b\"".into(),
@@ -52,7 +52,7 @@ fn compared_with(plan: &str, diastole: bool) -> Compared {
     }
 }
 
-fn report(of: &Compared) -> PlanReport {
+pub(crate) fn report(of: &Compared) -> PlanReport {
     PlanReport::new(
         &of.model,
         FILE,
@@ -146,6 +146,49 @@ fn what_is_not_certified_is_marked_and_out_of_the_ranking() {
         !long_csv(&report).contains("ring 28"),
         "a line there cannot carry a mark"
     );
+}
+
+/// As if the valve as it is had not been certified: nothing is told to have changed from it, nor are its figures held against limits.
+#[test]
+fn from_an_uncertified_valve_nothing_has_changed() {
+    let plan =
+        "schema_version = 1\n[[alternative]]\n[[alternative.repair]]\nkind = \"clip\"\nsite = \"A2P2\"\n";
+    let mut compared = compared_with(plan, false);
+    let certified = report(&compared);
+    assert_eq!(certified.anatomic_limits.len(), 1);
+    compared.comparison.before.status = Status::Stalled;
+    let spoilt = report(&compared);
+    assert!(spoilt.anatomic_limits.is_empty());
+    let [told, doubted] = [text(&certified), text(&spoilt)];
+    let row = |text: &str| -> Vec<String> {
+        let line = text.lines().find(|line| line.starts_with("   1  clip"));
+        line.unwrap_or_else(|| panic!("{text}"))
+            .split_whitespace()
+            .map(str::to_owned)
+            .collect()
+    };
+    // Rank, two words of a name, then four values each with its change, or without.
+    assert_eq!(row(&told).len(), 3 + 8, "{told}");
+    assert_eq!(row(&doubted).len(), 3 + 4, "{doubted}");
+    assert!(
+        doubted.contains("NOT CERTIFIED: the solver made no progress any more"),
+        "{doubted}"
+    );
+}
+
+/// Ranks decide what is filmed; of what has none nothing is.
+#[test]
+fn what_ranks_first_is_filmed() {
+    let mut compared = compared();
+    let name = |compared: &Compared| {
+        let found = filmed(&compared.plan, &compared.comparison);
+        found.map(|alternative| alternative.name.clone())
+    };
+    assert_eq!(name(&compared).as_deref(), Some("ring 28"));
+    for row in &mut compared.comparison.rows {
+        row.rank = None;
+    }
+    assert_eq!(name(&compared), None);
 }
 
 #[test]

@@ -103,7 +103,7 @@ type Column = (&'static str, &'static str, Criterion, usize);
 
 const AT_A2P2: Column = ("A2-P2 coapt.", "mm", Criterion::CoaptationLengthA2P2, 1);
 const IN_THE_MEAN: Column = ("mean coapt.", "mm", Criterion::CoaptationLength, 1);
-const OPEN: Column = ("open orifice", "mm²", Criterion::DiastolicOrifice, 0);
+const OPEN_ORIFICE: Column = ("open orifice", "mm²", Criterion::DiastolicOrifice, 0);
 
 /// The columns of the table: the coaptation that ranks, and the open valve where it was computed.
 fn columns(report: &PlanReport) -> Vec<Column> {
@@ -115,7 +115,7 @@ fn columns(report: &PlanReport) -> Vec<Column> {
         ("chord, most", "N", Criterion::ChordForce, 2),
         ("strain, 95 %", "%", Criterion::Strain, 1),
     ];
-    columns.extend(report.before.diastole.as_ref().map(|_| OPEN));
+    columns.extend(report.before.diastole.as_ref().map(|_| OPEN_ORIFICE));
     columns
 }
 
@@ -178,7 +178,9 @@ fn values(
     for &(_, unit, criterion, digits) in columns {
         let scale = if unit == "%" { 100.0 } else { 1.0 };
         let value = closed.value(criterion).map(|value| scale * value);
-        let earlier = before.and_then(|before| before.value(criterion));
+        // From a shape that is not certified nothing has changed: its figures are no results.
+        let earlier = before.filter(|before| before.solve.certified);
+        let earlier = earlier.and_then(|before| before.value(criterion));
         let change = value
             .zip(earlier)
             .map(|(value, earlier)| signed(value - scale * earlier, digits));
@@ -191,17 +193,25 @@ fn values(
     if let Some(reasons) = doubt(&closed.solve) {
         wrapped(out, &format!("{:RANK$}  NOT CERTIFIED: ", ""), &reasons);
     }
-    below::lines(out, RANK + 2, closed, before);
+    let start = " ".repeat(RANK + 2);
+    for told in below::lines(closed, before) {
+        wrapped(out, &start, &told);
+    }
 }
+
+/// What areas and gradients of open valves are not.
+pub(crate) const OPEN: &str = "the leaflets without pressure, annulus and papillary tips as in systole; blood pushes them wider, so that areas are rather too \
+     small and gradients too high: they compare repairs, are no mitral valve area, and no limit for one is held against them";
+
+/// What the valves of an ensemble are.
+pub(crate) const LIKELY: &str = "like this one as far as an image tells: annulus, papillary tips, chordae, tissue and pressure vary by what is not known of them; \
+     what the model itself leaves out is not in it";
 
 /// What figures must not be taken for, and published limits beside them.
 fn notes(out: &mut String, report: &PlanReport) {
     out.push('\n');
     if report.before.diastole.is_some() {
-        let told = "the leaflets without pressure, annulus and papillary tips as in systole; blood pushes them wider, so that \
-                    areas are rather too small and gradients too high: they compare repairs, are no mitral valve area, and no \
-                    limit for one is held against them";
-        line(out, "open orifice", told);
+        line(out, "open orifice", OPEN);
     }
     let closed = report.alternatives.iter().filter_map(|row| row.closed.as_ref());
     let warm = closed.filter(|closed| closed.solve.begun_at.is_some()).count();
@@ -214,9 +224,7 @@ fn notes(out: &mut String, report: &PlanReport) {
         line(out, "warm", &told);
     }
     if report.before.uncertainty.is_some() {
-        let told = "like this one as far as an image tells: annulus, papillary tips, chordae, tissue and pressure vary by what is \
-                    not known of them; what the model itself leaves out is not in it";
-        line(out, "valves", told);
+        line(out, "valves", LIKELY);
     }
     for AnatomicLimit {
         repair,

@@ -1,8 +1,10 @@
 // Colour maps that the colour-blind can read, and what is coloured with them.
 
-// Cividis (Nunez et al. 2018), viridis (van der Walt and Smith 2015): nine stops of each. Blue to orange is ours: dark ends, light middle.
+import cividis from "./cividis.json" with { type: "json" };
+
+// Cividis (Nunez et al. 2018; the program's pictures read the same file), viridis (van der Walt and Smith 2015): nine stops of each. Blue to orange is ours: dark ends, light middle.
 const STOPS = {
-  cividis: ["00224e", "123570", "3b496c", "575d6d", "707173", "8a8678", "a59c74", "c3b369", "fee838"],
+  cividis,
   viridis: ["440154", "472d7b", "3b528b", "2c728e", "21918c", "28ae80", "5ec962", "addc30", "fde725"],
   "blue-orange": ["0b4f8a", "2f7fbf", "7db3dd", "c4dcef", "f5f3ee", "fbd9ae", "f3ab5a", "d1751c", "8f4500"],
 };
@@ -12,10 +14,16 @@ const TABLES = Object.fromEntries(Object.entries(STOPS).map(([name, stops]) => [
 
 // Red, green and blue, each from 0 to 1, of a share from 0 to 1 of a map.
 export function colourAt(map, share) {
-  const table = TABLES[map];
+  return putColour([0, 0, 0], 0, TABLES[map], share);
+}
+
+// Writes a colour to its place in many: thousands for each frame of a film.
+function putColour(colours, place, table, share) {
   const at = Math.min(Math.max(Number.isFinite(share) ? share : 0, 0), 1) * (table.length - 1);
   const low = Math.min(Math.floor(at), table.length - 2);
-  return table[low].map((from, channel) => from + (table[low + 1][channel] - from) * (at - low));
+  const [from, to] = [table[low], table[low + 1]];
+  for (let channel = 0; channel < 3; channel += 1) colours[place + channel] = from[channel] + (to[channel] - from[channel]) * (at - low);
+  return colours;
 }
 
 export function css([red, green, blue]) {
@@ -57,7 +65,7 @@ export function niceAbove(value) {
 export function vertexColours(name, values, [low, high]) {
   const { map } = QUANTITIES[name];
   const colours = new Float32Array(values.length * 3);
-  values.forEach((value, vertex) => colours.set(colourAt(map, (value - low) / (high - low)), 3 * vertex));
+  for (let vertex = 0; vertex < values.length; vertex += 1) putColour(colours, 3 * vertex, TABLES[map], (values[vertex] - low) / (high - low));
   return colours;
 }
 

@@ -1,7 +1,10 @@
 // Arrays of the page's data: little-endian numbers in base64.
 
 function bytes(base64) {
-  return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+  const letters = atob(base64);
+  const made = new Uint8Array(letters.length);
+  for (let at = 0; at < made.length; at += 1) made[at] = letters.charCodeAt(at);
+  return made;
 }
 
 export function floats(base64) {
@@ -40,19 +43,39 @@ export function decodeGeometry(coded) {
 
 // A frame of a film: positions of leaflet vertices and of both ends of each chord [mm], and what is known at the vertices.
 export function decodeFrame(film, number, { open }, { centre_mm, to_atrium }) {
-  const place = (steps) => Float32Array.from(steps, (step, part) => film.low_mm[part % 3] + step * film.step_mm);
+  const place = (steps) => {
+    const made = new Float32Array(steps.length);
+    for (let part = 0; part < made.length; part += 1) made[part] = film.low_mm[part % 3] + steps[part] * film.step_mm;
+    return made;
+  };
+  const scaled = (steps, step) => {
+    const made = new Float32Array(steps.length);
+    for (let at = 0; at < made.length; at += 1) made[at] = steps[at] * step;
+    return made;
+  };
   const positions = place(shorts(film.positions[number]));
   const count = positions.length / 3;
-  const ofVertex = (value) => Float32Array.from({ length: count }, (_, vertex) => value(positions.subarray(3 * vertex, 3 * vertex + 3), vertex));
+  const displacement_mm = new Float32Array(count);
+  const annulus_distance_mm = new Float32Array(count);
+  for (let vertex = 0; vertex < count; vertex += 1) {
+    let [moved, height] = [0, 0];
+    for (let axis = 0; axis < 3; axis += 1) {
+      const at = positions[3 * vertex + axis];
+      moved += (at - open[3 * vertex + axis]) ** 2;
+      height += (at - centre_mm[axis]) * to_atrium[axis];
+    }
+    displacement_mm[vertex] = Math.sqrt(moved);
+    annulus_distance_mm[vertex] = height;
+  }
   return {
     positions,
     chordEnds: place(shorts(film.chords[number])),
     fields: {
-      gap_mm: Float32Array.from(bytes(film.gap[number]), (step) => step * film.gap_step_mm),
-      strain: Float32Array.from(bytes(film.strain[number]), (step) => step * film.strain_step),
-      contact: Float32Array.from(bytes(film.contact[number])),
-      displacement_mm: ofVertex((at, vertex) => Math.hypot(...at.map((part, axis) => part - open[3 * vertex + axis]))),
-      annulus_distance_mm: ofVertex((at) => at.reduce((sum, part, axis) => sum + (part - centre_mm[axis]) * to_atrium[axis], 0)),
+      gap_mm: scaled(bytes(film.gap[number]), film.gap_step_mm),
+      strain: scaled(bytes(film.strain[number]), film.strain_step),
+      contact: scaled(bytes(film.contact[number]), 1),
+      displacement_mm,
+      annulus_distance_mm,
     },
   };
 }

@@ -20,10 +20,15 @@ export function drawSection(svg, { faces, faceLeaflet }, shapes, frame, offset_m
   const down = (up) => height * 0.3 - up * scale;
   svg.append(element("line", { x1: MARGIN, x2: width - MARGIN, y1: down(0), y2: down(0), class: "plane" }));
   for (const { positions, faint } of shapes) {
+    // One element for each leaflet, not for each segment: it is drawn anew with each frame of a film.
+    const lines = new Map();
     for (const { from, to, leaflet } of cut(positions, faces, faceLeaflet, plane, offset_mm)) {
-      const colour = css(LEAFLET_COLOURS[leaflet % LEAFLET_COLOURS.length]);
-      const ends = { x1: across(from[0]), y1: down(from[1]), x2: across(to[0]), y2: down(to[1]) };
-      svg.append(element("line", { ...ends, stroke: colour, "stroke-width": faint ? 1 : 2.5, opacity: faint ? 0.35 : 1, "stroke-linecap": "round" }));
+      const line = `M${across(from[0]).toFixed(2)} ${down(from[1]).toFixed(2)}L${across(to[0]).toFixed(2)} ${down(to[1]).toFixed(2)}`;
+      lines.set(leaflet, (lines.get(leaflet) ?? "") + line);
+    }
+    for (const [leaflet, d] of lines) {
+      const stroke = css(LEAFLET_COLOURS[leaflet % LEAFLET_COLOURS.length]);
+      svg.append(element("path", { d, stroke, "stroke-width": faint ? 1 : 2.5, opacity: faint ? 0.35 : 1, "stroke-linecap": "round", fill: "none" }));
     }
   }
   const bar = 10 * scale;
@@ -105,23 +110,28 @@ const CURVES = [
   { key: "orifice_area_mm2", label: "orifice [mm²]", dash: "" },
   { key: "coaptation_area_mm2", label: "contact [mm²]", dash: "5 4" },
 ];
+// Where a pressure stands in the drawing of curves, between none and the highest.
+function atPressure(pressure, peak) {
+  return 60 + Math.cbrt(pressure / peak) * 580;
+}
+
 const STATE_COLOURS = ["#8f4500", "#0b4f8a"];
 
-// Orifice and contact while valves close, against pressure; a line stands at the frame that is shown. Pressure is drawn by its cube
-// root, as films are made, so that frames are evenly spaced.
-export function drawCurves(svg, states, frame) {
-  const [width, height, left, below] = [840, 240, 60, 40];
+// Orifice and contact while valves close, against pressure; `markFrame` puts a line at the frame that is shown. Pressure is drawn by
+// its cube root, as films are made, so that frames are evenly spaced.
+export function drawCurves(svg, states) {
+  const [width, height, below] = [840, 240, 40];
   begin(svg, width, height, "Orifice and contact area while the valve closes, against pressure");
   if (!states.length) return;
   const known = states.flatMap(({ geometry: { film } }) => CURVES.flatMap(({ key }) => film[key].filter((value) => value !== null)));
   const most = niceAbove(Math.max(1e-9, ...known));
   const peak = Math.max(...states[0].geometry.film.pressures_mmhg);
-  const across = (pressure) => left + Math.cbrt(pressure / peak) * (width - left - 200);
+  const across = (pressure) => atPressure(pressure, peak);
   const up = (value) => height - below - (value / most) * (height - below - 14);
-  svg.append(element("line", { x1: left, x2: width - 200, y1: up(0), y2: up(0), stroke: "#9a9a94" }));
-  for (const share of [0, 0.5, 1]) svg.append(element("text", { x: left - 6, y: up(share * most) + 4, "text-anchor": "end" }, shortNumber(share * most)));
+  svg.append(element("line", { x1: across(0), x2: across(peak), y1: up(0), y2: up(0), stroke: "#9a9a94" }));
+  for (const share of [0, 0.5, 1]) svg.append(element("text", { x: across(0) - 6, y: up(share * most) + 4, "text-anchor": "end" }, shortNumber(share * most)));
   for (const share of [0, 0.01, 0.1, 0.5, 1]) svg.append(element("text", { x: across(share * peak), y: height - below + 16, "text-anchor": "middle" }, shortNumber(share * peak)));
-  svg.append(element("text", { x: (left + width - 200) / 2, y: height - 6, "text-anchor": "middle" }, "pressure [mmHg]"));
+  svg.append(element("text", { x: (across(0) + across(peak)) / 2, y: height - 6, "text-anchor": "middle" }, "pressure [mmHg]"));
   states.forEach(({ name, geometry: { film } }, number) => {
     CURVES.forEach(({ key, label, dash }, line) => {
       const points = film[key].flatMap((value, at) => (value === null || !film.certified[at] ? [] : [`${across(film.pressures_mmhg[at])},${up(value)}`]));
@@ -132,6 +142,17 @@ export function drawCurves(svg, states, frame) {
       svg.append(element("text", { x: width - 154, y }, `${name}: ${label}`));
     });
   });
-  const shown = states[0].geometry.film.pressures_mmhg[frame];
-  if (shown !== undefined) svg.append(element("line", { x1: across(shown), x2: across(shown), y1: 8, y2: up(0), stroke: "#222", "stroke-width": 1 }));
+  svg.append(element("line", { y1: 8, y2: up(0), stroke: "#222", "stroke-width": 1, class: "frame" }));
+}
+
+// Moves the line of curves to a frame; none where the frame is not one of the film's.
+export function markFrame(svg, states, frame) {
+  const line = svg.querySelector(".frame");
+  if (!line) return;
+  const pressures = states[0].geometry.film.pressures_mmhg;
+  line.toggleAttribute("hidden", pressures[frame] === undefined);
+  if (pressures[frame] === undefined) return;
+  const at = atPressure(pressures[frame], Math.max(...pressures));
+  line.setAttribute("x1", at);
+  line.setAttribute("x2", at);
 }

@@ -4,10 +4,11 @@
 // slider never runs ahead of the solver by more than one closure.
 
 import { QUANTITIES, leafletColours, leafletLegend, legend, niceAbove, range, vertexColours } from "./colours.js";
-import { chordLines, createValve, createView, fit, lookFrom, requestDraw, setMesh, setShape } from "./valve3d.js";
+import { chordLines, createValve, createView, dispose, fit, lookFrom, requestDraw, setMesh, setShape } from "./valve3d.js";
 
 const STYLE = `
 .coapt-panel { display: grid; grid-template-columns: minmax(0, 3fr) minmax(16rem, 2fr); gap: 0.8rem; font: 13px/1.4 system-ui, sans-serif; }
+.coapt-panel > div { position: relative; }
 .coapt-panel canvas { width: 100%; height: 420px; border: 1px solid #d5d5d0; display: block; touch-action: none; }
 .coapt-panel fieldset { border: 1px solid #d5d5d0; margin: 0 0 0.5rem; padding: 0.3rem 0.6rem; }
 .coapt-panel label { display: grid; grid-template-columns: 7.5rem 1fr 4.5rem; gap: 0.4rem; align-items: center; }
@@ -201,7 +202,7 @@ function render({ model, el }) {
   take();
   return () => {
     model.off("change:answer", take);
-    view.renderer.dispose();
+    dispose(view);
   };
 }
 

@@ -2,12 +2,12 @@
 
 import { QUANTITIES, leafletColours, leafletLegend, legend, niceAbove, range, shortNumber, vertexColours } from "./colours.js";
 import { decodeFrame, decodeGeometry } from "./decode.js";
-import { drawCurves, drawForces, drawSection, drawUnrolled } from "./drawings.js";
+import { drawCurves, drawForces, drawSection, drawUnrolled, markFrame } from "./drawings.js";
 import { DIRECTIONS, chordLines, createValve, createView, draw, fit, lookFrom, plainChordLines, requestDraw, setMesh, setShape, vertexAt } from "./valve3d.js";
 
 const find = (id) => document.getElementById(id);
 const data = JSON.parse(find("data").textContent);
-const states = data.states.map((state) => ({ ...state, geometry: decodeGeometry(state.geometry) }));
+const states = data.states.map((state) => ({ ...state, geometry: decodeGeometry(state.geometry), shapes: new Map() }));
 const largestForce = niceAbove(Math.max(0, ...states.flatMap(({ geometry }) => [...(geometry.chords?.force_n ?? [])])));
 
 // What the reader has chosen. `shown`: before, after or both; `after`: which state counts as after; `frame`: how far the valve is closed.
@@ -26,16 +26,25 @@ function frameCount() {
 }
 
 // Positions, fields and chord points of a state at the chosen frame: 0 is the open valve, the last the closed one.
-function shape({ geometry }) {
+function shape(state) {
   const last = frameCount();
+  const { geometry } = state;
   const { chords, film } = geometry;
-  const tense = (points) => (points ? chordLines(chords, points, largestForce) : null);
-  if (choice.frame === 0) return { positions: geometry.open, fields: {}, chords: chords?.open ? plainChordLines(endsOf(chords, chords.open)) : null, open: true };
+  if (choice.frame === 0) return made(state, "open", () => ({ positions: geometry.open, fields: {}, chords: chords?.open ? plainChordLines(endsOf(chords, chords.open)) : null, open: true }));
   if (choice.frame < last && film) {
-    const frame = decodeFrame(film, choice.frame - 1, geometry, data.frame);
-    return { ...frame, chords: plainChordLines(frame.chordEnds) };
+    const number = choice.frame - 1;
+    return made(state, number, () => {
+      const frame = decodeFrame(film, number, geometry, data.frame);
+      return { ...frame, chords: plainChordLines(frame.chordEnds) };
+    });
   }
-  return { positions: geometry.closed, fields: geometry.fields, chords: tense(chords?.closed) };
+  return made(state, "closed", () => ({ positions: geometry.closed, fields: geometry.fields, chords: chords ? chordLines(chords, chords.closed, largestForce) : null }));
+}
+
+// Shapes that were shown are kept: each is decoded once.
+function made({ shapes }, name, make) {
+  if (!shapes.has(name)) shapes.set(name, make());
+  return shapes.get(name);
 }
 
 function endsOf({ ends }, points) {
@@ -49,14 +58,46 @@ function coloursOf({ geometry }, { fields }, limits) {
   return values ? vertexColours(choice.quantity, values, limits) : new Float32Array(geometry.open.length).fill(0.75);
 }
 
+const ranges = new Map();
+
 function limits() {
-  return choice.quantity === "leaflet" ? null : range(choice.quantity, states.map(({ geometry }) => geometry.fields));
+  const { quantity } = choice;
+  if (quantity === "leaflet") return null;
+  if (!ranges.has(quantity)) ranges.set(quantity, range(quantity, states.map(({ geometry }) => geometry.fields)));
+  return ranges.get(quantity);
 }
 
-function refresh() {
+// Does a part of the page anew only where what it shows is no longer what it showed: a film has many frames.
+const drawn = new Map();
+function onChange(part, shows, act) {
+  const key = JSON.stringify(shows);
+  if (drawn.get(part) === key) return;
+  drawn.set(part, key);
+  act();
+}
+
+// `moves`: more will follow at once.
+function refresh(moves) {
   choice.frame = Math.min(choice.frame, frameCount());
-  const between = limits();
   const numbers = shownStates();
+  const between = limits();
+  onChange("valve", [numbers, choice.frame, choice.quantity, choice.chordae, choice.edges], () => {
+    refreshValve(numbers, between);
+    requestDraw(view, moves);
+  });
+  onChange("titles", numbers, () => refreshTitles(numbers));
+  onChange("pose", [numbers, choice.frame], () => refreshPose(numbers));
+  onChange("legend", choice.quantity, () => refreshLegend(between));
+  onChange("forces", numbers.at(-1), () => refreshForces(numbers.at(-1)));
+  refreshSection(numbers.at(-1));
+  refreshMap(numbers.at(-1), between);
+  const filmed = numbers.map((number) => states[number]).filter(({ geometry }) => geometry.film);
+  onChange("curves", numbers, () => drawCurves(find("curves"), filmed));
+  markFrame(find("curves"), filmed, choice.frame - 1);
+  onChange("table", choice.after, refreshTable);
+}
+
+function refreshValve(numbers, between) {
   while (view.panes.length < numbers.length) view.panes.push(createValve(data.frame));
   view.panes.length = numbers.length;
   numbers.forEach((number, pane) => {
@@ -71,16 +112,9 @@ function refresh() {
     // A ring lies where the annulus goes to, not where it is in the open valve.
     valve.rings.visible = !now.open;
   });
-  requestDraw(view);
-  refreshWords(numbers);
-  refreshLegend(between);
-  refreshDrawings(numbers.at(-1), between);
-  drawCurves(find("curves"), numbers.map((number) => states[number]).filter(({ geometry }) => geometry.film), choice.frame - 1);
-  find("curves-block").hidden = !states.some(({ geometry }) => geometry.film);
-  refreshTable();
 }
 
-function refreshWords(numbers) {
+function refreshTitles(numbers) {
   find("titles").replaceChildren(
     ...numbers.map((number) => {
       const title = document.createElement("span");
@@ -89,6 +123,9 @@ function refreshWords(numbers) {
       return title;
     }),
   );
+}
+
+function refreshPose(numbers) {
   find("view").setAttribute("aria-label", `Valve in three dimensions: ${numbers.map((number) => states[number].name).join(" and ")}, ${poseWords()}. Arrow keys turn it, plus and minus move nearer and away.`);
   find("pose").max = frameCount();
   find("pose").value = choice.frame;
@@ -116,25 +153,37 @@ function span(text) {
   return made;
 }
 
+function refreshSection(number) {
+  onChange("section", [number, choice.frame, choice.section_mm], () => {
+    const state = states[number];
+    const now = shape(state);
+    const shapes = [{ positions: state.geometry.open, faint: true }, { positions: now.positions }];
+    drawSection(find("section"), state.geometry, now.open ? shapes.slice(1) : shapes, data.frame, choice.section_mm, data.reach_mm);
+    find("section-value").textContent = sectionWords();
+    find("section-caption").textContent = state.name;
+  });
+}
+
 const RESTS_MS = 60;
 let unrolling = null;
 
-function refreshDrawings(number, between) {
-  const state = states[number];
-  const { geometry } = state;
-  const now = shape(state);
-  const shapes = [{ positions: geometry.open, faint: true }, { positions: now.positions }];
-  drawSection(find("section"), geometry, now.open ? shapes.slice(1) : shapes, data.frame, choice.section_mm, data.reach_mm);
-  find("section-value").textContent = sectionWords();
-  find("section-caption").textContent = state.name;
-  const unroll = () => drawUnrolled(find("unrolled"), geometry, geometry.fields.along, geometry.fields.from_margin_mm, coloursOf(state, now, between));
-  // The slowest picture: it waits until a slider rests, so that the valve itself follows at once.
-  clearTimeout(unrolling);
-  unrolling = setTimeout(unroll, RESTS_MS);
-  find("unrolled-caption").textContent = state.name;
+function refreshMap(number, between) {
+  onChange("map", [number, choice.frame, choice.quantity], () => {
+    const state = states[number];
+    const { geometry } = state;
+    const unroll = () => drawUnrolled(find("unrolled"), geometry, geometry.fields.along, geometry.fields.from_margin_mm, coloursOf(state, shape(state), between));
+    // The slowest picture: it waits until a slider rests, so that the valve itself follows at once.
+    clearTimeout(unrolling);
+    unrolling = setTimeout(unroll, RESTS_MS);
+    find("unrolled-caption").textContent = state.name;
+  });
+}
+
+function refreshForces(number) {
+  const { name, geometry, chord_groups } = states[number];
   find("forces-block").hidden = !geometry.chords;
-  if (geometry.chords) drawForces(find("forces"), geometry.chords, state.chord_groups, largestForce);
-  find("forces-caption").textContent = state.name;
+  if (geometry.chords) drawForces(find("forces"), geometry.chords, chord_groups, largestForce);
+  find("forces-caption").textContent = name;
 }
 
 function sectionWords() {
@@ -145,11 +194,16 @@ function sectionWords() {
 // Numbers of the table's second and third column, for the state that counts as after.
 function refreshTable() {
   if (!data.after) return;
-  find("after-heading").textContent = states[choice.after].name;
+  const { name, certified } = states[choice.after];
+  // From a shape that is not certified, or to one, nothing has changed.
+  const isTold = certified && states[0].certified;
+  find("after-heading").textContent = name;
+  find("after-doubt").hidden = certified;
   data.rows.forEach(({ digits, values }, row) => {
     const [before, after] = [values[0], values[choice.after]];
     find(`after-${row}`).textContent = number(after, digits);
-    find(`change-${row}`).textContent = before === null || after === null ? "" : number(after - before, digits, true);
+    find(`after-${row}`).classList.toggle("doubted", !certified);
+    find(`change-${row}`).textContent = before === null || after === null || !isTold ? "" : number(after - before, digits, true);
   });
   document.querySelectorAll("tr[data-state]").forEach((line) => line.setAttribute("aria-selected", Number(line.dataset.state) === choice.after));
   document.querySelectorAll("[data-details]").forEach((block) => (block.hidden = ![0, choice.after].includes(Number(block.dataset.details))));
@@ -173,10 +227,10 @@ function onClick(group, action) {
   document.querySelectorAll(`[data-${group}]`).forEach((button) => button.addEventListener("click", () => action(button.dataset[group])));
 }
 
-function choose(changes) {
+function choose(changes, moves = false) {
   Object.assign(choice, changes);
   pressed("shown", choice.shown);
-  refresh();
+  refresh(moves);
 }
 
 onClick("shown", (shown) => choose({ shown }));
@@ -187,7 +241,7 @@ for (const [name, { label }] of Object.entries(QUANTITIES)) {
 find("quantity").addEventListener("change", ({ target }) => choose({ quantity: target.value }));
 find("edges").addEventListener("change", ({ target }) => choose({ edges: target.checked }));
 find("chordae").addEventListener("change", ({ target }) => choose({ chordae: target.checked }));
-find("pose").addEventListener("input", ({ target }) => choose({ frame: Number(target.value) }));
+find("pose").addEventListener("input", ({ target }) => choose({ frame: Number(target.value) }, true));
 find("section-offset").addEventListener("input", ({ target }) => choose({ section_mm: Number(target.value) }));
 find("after")?.addEventListener("change", ({ target }) => chooseAfter(Number(target.value)));
 document.querySelectorAll("tr[data-state]").forEach((line) => {
@@ -212,7 +266,7 @@ find("play").addEventListener("click", () => {
   if (choice.frame >= frameCount()) choose({ frame: 0 });
   find("play").textContent = "Pause";
   playing = setInterval(() => {
-    choose({ frame: choice.frame + 1 });
+    choose({ frame: choice.frame + 1 }, true);
     if (choice.frame >= frameCount()) stop();
   }, FRAME_MS);
 });
@@ -223,10 +277,14 @@ function stop() {
   find("play").textContent = "Close the valve";
 }
 
-find("view").addEventListener("pointermove", (event) => {
-  const hit = vertexAt(view, event.offsetX, event.offsetY);
+// A finger points by touching, a mouse by moving; whoever turns the valve asks nothing, and looking for the vertex takes as long as drawing.
+find("view").addEventListener("pointerdown", probe);
+find("view").addEventListener("pointermove", (event) => event.buttons === 0 && probe(event));
+
+function probe({ offsetX, offsetY }) {
+  const hit = vertexAt(view, offsetX, offsetY);
   find("probe").textContent = hit ? probeWords(hit) : "";
-});
+}
 
 function probeWords({ pane, vertex }) {
   const state = states[shownStates()[pane]];
@@ -240,6 +298,7 @@ function probeWords({ pane, vertex }) {
 window.addEventListener("beforeprint", () => draw(view));
 window.addEventListener("afterprint", () => requestDraw(view));
 
+find("curves-block").hidden = !states.some(({ geometry }) => geometry.film);
 find("section-offset").max = Math.floor(data.reach_mm);
 find("section-offset").min = -Math.floor(data.reach_mm);
 view.controls.target.set(0, 0, -0.3 * data.reach_mm);

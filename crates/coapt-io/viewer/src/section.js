@@ -3,22 +3,29 @@
 // Segments of the cut through triangles, each `{ from, to, leaflet }` in coordinates of the plane: `[to the right, up]` in mm.
 // The plane holds `origin + offset * normal`; `right` and `up` lie in it.
 export function cut(positions, faces, faceLeaflet, { origin, normal, right, up }, offset) {
-  const at = (vertex) => [0, 1, 2].map((axis) => positions[3 * vertex + axis] - origin[axis]);
-  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const dot = (x, y, z, axis) => x * axis[0] + y * axis[1] + z * axis[2];
+  const heights = new Float64Array(positions.length / 3);
+  for (let vertex = 0; vertex < heights.length; vertex += 1) {
+    const at = 3 * vertex;
+    heights[vertex] = dot(positions[at] - origin[0], positions[at + 1] - origin[1], positions[at + 2] - origin[2], normal) - offset;
+  }
+  // A vertex in the plane counts as above: each edge is cut once or not at all.
+  const isCut = (one, other) => heights[one] >= 0 !== heights[other] >= 0;
+  const point = (one, other) => {
+    const share = heights[one] / (heights[one] - heights[other]);
+    const [x, y, z] = [0, 1, 2].map((axis) => {
+      const from = positions[3 * one + axis];
+      return from + (positions[3 * other + axis] - from) * share - origin[axis];
+    });
+    return [dot(x, y, z, right), dot(x, y, z, up)];
+  };
   const segments = [];
   for (let face = 0; face < faces.length / 3; face += 1) {
-    const corners = [0, 1, 2].map((corner) => at(faces[3 * face + corner]));
-    const heights = corners.map((corner) => dot(corner, normal) - offset);
-    const ends = [];
-    for (let corner = 0; corner < 3; corner += 1) {
-      const next = (corner + 1) % 3;
-      // A vertex in the plane counts as above: each edge is cut once or not at all.
-      if (heights[corner] >= 0 === heights[next] >= 0) continue;
-      const share = heights[corner] / (heights[corner] - heights[next]);
-      const point = corners[corner].map((from, axis) => from + (corners[next][axis] - from) * share);
-      ends.push([dot(point, right), dot(point, up)]);
-    }
-    if (ends.length === 2) segments.push({ from: ends[0], to: ends[1], leaflet: faceLeaflet[face] });
+    const [a, b, c] = [faces[3 * face], faces[3 * face + 1], faces[3 * face + 2]];
+    // Most are not: nothing is made for them.
+    if (!isCut(a, b) && !isCut(b, c)) continue;
+    const edges = [[a, b], [b, c], [c, a]].filter(([one, other]) => isCut(one, other));
+    if (edges.length === 2) segments.push({ from: point(...edges[0]), to: point(...edges[1]), leaflet: faceLeaflet[face] });
   }
   return segments;
 }

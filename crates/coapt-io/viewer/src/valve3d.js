@@ -6,6 +6,7 @@
 import * as three from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { SLACK_COLOUR, colourAt } from "./colours.js";
+import { LEVELS, beginMotion, createPace, noteFrame } from "./pace.js";
 
 // Directions from which the valve is seen; a hair off the pole keeps "up" defined.
 export const DIRECTIONS = {
@@ -19,17 +20,47 @@ export const DIRECTIONS = {
 const FIELD_OF_VIEW_DEG = 24;
 
 export function createView(canvas) {
-  const renderer = new three.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
-  renderer.setScissorTest(true);
+  const renderer = createRenderer(canvas, { antialias: true, preserveDrawingBuffer: true });
   const camera = new three.PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 1, 2000);
   camera.up.set(0, 0, 1);
   const controls = new OrbitControls(camera, canvas);
-  const view = { renderer, camera, controls, canvas, panes: [], distance: 150, pending: false };
-  controls.addEventListener("change", () => requestDraw(view));
+  const view = { renderer, quick: null, camera, controls, canvas, panes: [], distance: 150, asked: false, looping: false, motion: null, pace: createPace() };
+  // Between its start and its end somebody turns the valve; else the camera was set.
+  let held = false;
+  controls.addEventListener("start", () => (held = true));
+  controls.addEventListener("end", () => (held = false));
+  controls.addEventListener("change", () => requestDraw(view, held));
   new ResizeObserver(() => requestDraw(view)).observe(canvas);
   canvas.addEventListener("keydown", (event) => turnByKey(view, event));
   lookFrom(view, "atrium");
   return view;
+}
+
+function createRenderer(canvas, options) {
+  const renderer = new three.WebGLRenderer({ canvas, ...options });
+  renderer.setScissorTest(true);
+  return renderer;
+}
+
+// A second canvas over the first, without smooth edges, which a canvas has for ever or never; made where it is needed first.
+function quickRenderer(view) {
+  if (!view.quick) {
+    const canvas = document.createElement("canvas");
+    canvas.setAttribute("aria-hidden", "true");
+    Object.assign(canvas.style, { position: "absolute", pointerEvents: "none", border: "0" });
+    view.canvas.after(canvas);
+    // Nothing shines through, so that what lies below need not be put together with it.
+    const context = canvas.getContext("webgl2", { alpha: false, antialias: false });
+    view.quick = createRenderer(canvas, { context });
+  }
+  return view.quick;
+}
+
+export function dispose({ renderer, quick, controls }) {
+  controls.dispose();
+  renderer.dispose();
+  quick?.dispose();
+  quick?.domElement.remove();
 }
 
 // A pane's valve: meshes whose numbers `showValve` replaces. `frame`: centre and axes in the patient's coordinates.
@@ -80,13 +111,16 @@ export function setMesh(valve, { faces, rings }) {
 
 const RING_RADIUS_MM = 0.6;
 
-function ringTube(points) {
+// Pieces of a ring's tube at most: shorter ones than a third of its thickness are not seen, and cost more than the leaflets.
+const RING_PIECES = 256;
+
+export function ringTube(points) {
   const list = [];
   for (let at = 0; at < points.length; at += 3) list.push(new three.Vector3(points[at], points[at + 1], points[at + 2]));
   const closed = list.length > 2 && list[0].distanceTo(list.at(-1)) < 1e-6;
   if (closed) list.pop();
   const curve = new three.CatmullRomCurve3(list, closed);
-  const geometry = new three.TubeGeometry(curve, 4 * list.length, RING_RADIUS_MM, 8, closed);
+  const geometry = new three.TubeGeometry(curve, Math.min(4 * list.length, RING_PIECES), RING_RADIUS_MM, 8, closed);
   return new three.Mesh(geometry, new three.MeshPhongMaterial({ color: 0x3f7d5a }));
 }
 
@@ -110,7 +144,7 @@ export function setShape(valve, positions, colours, chords) {
   const geometry = valve.leaflets.geometry;
   attribute(geometry, "position", positions);
   attribute(geometry, "color", colours);
-  geometry.computeVertexNormals();
+  attribute(geometry, "normal", vertexNormals(positions, geometry.index.array));
   geometry.computeBoundingSphere();
   attribute(valve.edges.geometry, "position", positions);
   if (chords) {
@@ -118,6 +152,41 @@ export function setShape(valve, positions, colours, chords) {
     attribute(valve.chords.geometry, "color", chords.colours);
   }
   valve.chords.visible = Boolean(chords);
+}
+
+// Unit normals of vertices, those of the faces around them weighted by area, shape `[vertex, 3]`: as three.js has them, in a sixth of
+// the time, which each frame of a film takes.
+export function vertexNormals(positions, faces) {
+  const normals = new Float32Array(positions.length);
+  const add = (vertex, x, y, z) => {
+    normals[vertex] += x;
+    normals[vertex + 1] += y;
+    normals[vertex + 2] += z;
+  };
+  for (let face = 0; face < faces.length; face += 3) {
+    const a = 3 * faces[face];
+    const b = 3 * faces[face + 1];
+    const c = 3 * faces[face + 2];
+    const ux = positions[c] - positions[b];
+    const uy = positions[c + 1] - positions[b + 1];
+    const uz = positions[c + 2] - positions[b + 2];
+    const vx = positions[a] - positions[b];
+    const vy = positions[a + 1] - positions[b + 1];
+    const vz = positions[a + 2] - positions[b + 2];
+    const x = uy * vz - uz * vy;
+    const y = uz * vx - ux * vz;
+    const z = ux * vy - uy * vx;
+    add(a, x, y, z);
+    add(b, x, y, z);
+    add(c, x, y, z);
+  }
+  for (let vertex = 0; vertex < normals.length; vertex += 3) {
+    const length = Math.sqrt(normals[vertex] ** 2 + normals[vertex + 1] ** 2 + normals[vertex + 2] ** 2) || 1;
+    normals[vertex] /= length;
+    normals[vertex + 1] /= length;
+    normals[vertex + 2] /= length;
+  }
+  return normals;
 }
 
 function attribute(geometry, name, values) {
@@ -178,24 +247,48 @@ function turnByKey(view, event) {
   event.preventDefault();
   view.camera.position.copy(view.controls.target).add(away);
   view.controls.update();
-  requestDraw(view);
+  // A key that is held turns on and on.
+  requestDraw(view, event.repeat);
 }
 
-export function requestDraw(view) {
-  if (view.pending) return;
-  view.pending = true;
-  requestAnimationFrame(() => {
-    view.pending = false;
-    draw(view);
-  });
+// Frames without a new one, after which what moved counts as at rest: a fifth of a second on most screens.
+const RESTS_AFTER = 12;
+
+// Draws with the next frame. `moves`: the next drawing will follow at once; then each is as fine as stays smooth, and the last one,
+// at rest, as fine as the screen.
+export function requestDraw(view, moves = false) {
+  if (moves && !view.motion) {
+    beginMotion(view.pace);
+    view.motion = { idle: 0, drew: false, last_ms: null };
+  }
+  view.asked = true;
+  if (view.looping) return;
+  view.looping = true;
+  requestAnimationFrame((now_ms) => nextFrame(view, now_ms));
 }
 
-// Panes stand side by side.
-export function draw(view) {
+function nextFrame(view, now_ms) {
+  const { motion } = view;
+  if (motion) {
+    if (motion.last_ms !== null) noteFrame(view.pace, now_ms - motion.last_ms, motion.drew);
+    Object.assign(motion, { last_ms: now_ms, drew: view.asked, idle: view.asked ? 0 : motion.idle + 1 });
+    if (motion.idle > RESTS_AFTER) {
+      view.motion = null;
+      view.asked = true;
+    }
+  }
+  if (view.asked) draw(view, LEVELS[view.motion ? view.pace.level : 0]);
+  view.asked = false;
+  view.looping = view.motion !== null;
+  if (view.looping) requestAnimationFrame((now_ms) => nextFrame(view, now_ms));
+}
+
+// Panes stand side by side. `level`: how finely.
+export function draw(view, level = LEVELS[0]) {
   const { clientWidth: width, clientHeight: height } = view.canvas;
   if (!width || !height || !view.panes.length) return;
-  view.renderer.setPixelRatio(window.devicePixelRatio);
-  view.renderer.setSize(width, height, false);
+  const renderer = level.smoothEdges ? view.renderer : quickRenderer(view);
+  setResolution(renderer, width, height, window.devicePixelRatio * level.share);
   const paneWidth = Math.floor(width / view.panes.length);
   view.camera.aspect = paneWidth / height;
   // A tall narrow pane shows as much across as a wide one does upwards.
@@ -203,10 +296,31 @@ export function draw(view) {
   view.camera.updateProjectionMatrix();
   view.panes.forEach((valve, number) => {
     valve.lamp.position.copy(view.camera.position);
-    view.renderer.setViewport(number * paneWidth, 0, paneWidth, height);
-    view.renderer.setScissor(number * paneWidth, 0, paneWidth, height);
-    view.renderer.render(valve.scene, view.camera);
+    renderer.setViewport(number * paneWidth, 0, paneWidth, height);
+    renderer.setScissor(number * paneWidth, 0, paneWidth, height);
+    renderer.render(valve.scene, view.camera);
   });
+  showQuick(view, !level.smoothEdges);
+}
+
+function showQuick({ canvas, quick }, shown) {
+  if (!quick) return;
+  const { style } = quick.domElement;
+  style.display = shown ? "block" : "none";
+  style.width = `${canvas.clientWidth}px`;
+  style.height = `${canvas.clientHeight}px`;
+  style.left = `${canvas.offsetLeft + canvas.clientLeft}px`;
+  style.top = `${canvas.offsetTop + canvas.clientTop}px`;
+}
+
+const size = new three.Vector2();
+
+// A canvas whose size is set begins anew, even where it stays the same.
+function setResolution(renderer, width, height, ratio) {
+  renderer.getSize(size);
+  if (size.x === width && size.y === height && renderer.getPixelRatio() === ratio) return;
+  renderer.setPixelRatio(ratio);
+  renderer.setSize(width, height, false);
 }
 
 // Which pane and which vertex lies under a point of the canvas [CSS pixels from its corner]; none beside the leaflets.

@@ -41,9 +41,10 @@ export async function open(browser, name, options = {}) {
   return { page, complaints };
 }
 
-// Two frames later everything that was asked for is drawn.
+// Two frames later everything that was asked for is drawn; what moved is drawn coarsely on a slow machine, and in full once it rests.
 export async function settled(page) {
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))));
+  await page.waitForFunction(() => [...document.querySelectorAll("canvas[aria-hidden]")].every(({ style }) => style.display === "none"));
 }
 
 // What a canvas shows: how much of it is not its background, and its pixels as text to compare.

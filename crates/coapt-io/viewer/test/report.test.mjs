@@ -7,9 +7,21 @@ import { after, before, test } from "node:test";
 import { coapt, folder, launch, open, pixels, settled, write } from "./browser.mjs";
 
 let browser;
+let planText;
 const PLAN = `
 schema_version = 1
 name = "rings & <clips>"
+diastole = true
+sensitivities = true
+
+[search]
+alternative = 0
+key = "size_mm"
+from = 34
+to = 28
+tolerance = 1
+measure = "coaptation/length_a2p2_mm"
+at_least = 6.0
 
 [[alternative]]
 [[alternative.repair]]
@@ -29,7 +41,7 @@ before(async () => {
   coapt("closure", "healthy", "--out", "alone");
   coapt("report", "alone", "-o", "alone.html");
   write("plan.toml", PLAN);
-  coapt("plan", "dilated", "plan.toml", "--out", "plan", "--shapes");
+  planText = coapt("plan", "dilated", "plan.toml", "--out", "plan", "--shapes");
   coapt("report", "plan", "-o", "plan.html");
   browser = await launch();
 });
@@ -96,6 +108,55 @@ test("colours, chordae, mesh, direction and keys", async () => {
   assert.deepEqual(complaints, []);
 });
 
+// Turns the valve with each of some frames of a page whose frames seem to take so long, and tells what is then shown.
+async function turned(frame_ms) {
+  const context = await browser.newContext({ viewport: { width: 1400, height: 1000 } });
+  await context.addInitScript((frame_ms) => {
+    const real = window.requestAnimationFrame.bind(window);
+    let now_ms = 0;
+    real(function step() {
+      now_ms += frame_ms;
+      real(step);
+    });
+    window.requestAnimationFrame = (act) => real(() => act(now_ms));
+  }, frame_ms);
+  const page = await context.newPage();
+  await page.goto(`file://${join(folder, "ring.html")}`);
+  await settled(page);
+  const box = await page.locator("#view").boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const earlier = await pixels(page, "view");
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  const moving = await page.evaluate(([x, y]) => new Promise((done) => {
+    const view = document.getElementById("view");
+    let left = 30;
+    requestAnimationFrame(function step() {
+      left -= 1;
+      view.dispatchEvent(new PointerEvent("pointermove", { bubbles: true, pointerId: 1, pointerType: "mouse", buttons: 1, clientX: x + 40 + 5 * left, clientY: y }));
+      if (left > 0) return requestAnimationFrame(step);
+      const quick = document.querySelector("canvas[aria-hidden]");
+      return done({ full: view.width, quick: quick && quick.style.display !== "none" ? quick.width : null });
+    });
+  }), [x, y]);
+  await page.mouse.up();
+  return { page, earlier, moving };
+}
+
+test("a machine too slow for the valve turns it coarsely, and draws it in full at rest", async () => {
+  const { page, earlier, moving } = await turned(131);
+  assert.ok(moving.quick && moving.quick <= 0.5 * moving.full, JSON.stringify(moving));
+  await page.waitForFunction(() => document.querySelector("canvas[aria-hidden]").style.display === "none");
+  const later = await pixels(page, "view");
+  assert.notEqual(later.sum, earlier.sum, "the valve at rest is not the one that was turned");
+  assert.equal(await page.locator("#view").evaluate((canvas) => canvas.width), moving.full);
+});
+
+test("a machine that is fast enough turns it as finely as it shows it at rest", async () => {
+  const { moving } = await turned(16);
+  assert.equal(moving.quick, null);
+});
+
 test("opening the valve", async () => {
   const { page, complaints } = await open(browser, "alone.html");
   assert.equal(await page.locator("#pose-value").textContent(), "closed at 100 mmHg");
@@ -136,7 +197,9 @@ test("the section is where its slider says", async () => {
   const { page, complaints } = await open(browser, "ring.html");
   const middle = await page.locator("#section").innerHTML();
   // Two leaflets open and closed, of some ten segments each.
-  assert.ok((await page.locator("#section line").count()) > 20);
+  const lines = await page.locator("#section path").evaluateAll((paths) => paths.map((path) => path.getAttribute("d").split("M").length - 1));
+  assert.equal(lines.length, 4);
+  assert.ok(lines.every((count) => count > 5), lines.join());
   await page.fill("#section-offset", "-6");
   assert.notEqual(await page.locator("#section").innerHTML(), middle);
   assert.equal(await page.locator("#section-value").textContent(), "6 mm to the anterolateral side");
@@ -157,6 +220,33 @@ test("a plan: rows choose what is shown, the first-ranked at first", async () =>
   assert.equal(cells[3], last.coaptation.area_mm2.toFixed(1));
   assert.equal(await page.locator("[data-details]:visible").count(), 2);
   assert.deepEqual(complaints, []);
+});
+
+test("a plan tells gradients, rates and its search as the program does", async () => {
+  const { page, complaints } = await open(browser, "plan.html");
+  const flat = (text) => text.replace(/\s+/g, " ");
+  const beside = await page.locator(".beside li").allTextContents();
+  const text = flat(planText);
+  for (const line of beside) assert.ok(text.includes(flat(line)), `the program does not say: ${line}`);
+  for (const start of ["open without pressure: ", "per mm of repair[0].size: ", "per 1 % of length"]) {
+    assert.ok(beside.some((line) => line.startsWith(start)), `${start}${beside.join("; ")}`);
+  }
+  const report = JSON.parse(readFileSync(join(folder, "plan", "plan.json"), "utf8"));
+  assert.equal(await page.locator(".beside tr").count(), 1 + report.alternatives.length);
+  assert.ok(text.includes(flat(await page.locator(".search p").textContent()).replace(/\.$/, "")));
+  assert.equal(await page.locator(".search tbody tr").count(), report.search.tried.length);
+  assert.equal(await page.locator(".search tr", { hasText: "the answer" }).count(), 1);
+  assert.match(await page.locator(".alternatives thead").textContent(), /mean gradient, at most \[mmHg\]/);
+  assert.deepEqual(complaints, []);
+});
+
+test("on a desktop the measures have room: nothing scrolls but the page", async () => {
+  for (const name of ["ring.html", "plan.html"]) {
+    const { page } = await open(browser, name);
+    const [all, seen] = await page.locator(".numbers .scroll").evaluate((box) => [box.scrollHeight, box.clientHeight]);
+    assert.ok(all > 600 && all <= seen, `${all} in ${seen}`);
+    assert.ok(await page.evaluate(() => document.scrollingElement.scrollWidth <= window.innerWidth));
+  }
 });
 
 test("a tablet shows everything without scrolling sideways, paper has pictures and tables", async () => {

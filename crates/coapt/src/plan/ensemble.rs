@@ -96,7 +96,7 @@ pub struct Ensemble {
 }
 
 /// Median and an interval that holds nine samples of ten.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// Below it lie 5 % of the certified samples.
     pub low: f64,
@@ -107,7 +107,7 @@ pub struct Interval {
 }
 
 /// How often something came out, with the interval (Wilson's, 95 %) that so few samples leave for its probability.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Probability {
     /// Part of the certified samples [1].
     pub estimate: f64,
