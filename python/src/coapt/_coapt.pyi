@@ -17,6 +17,7 @@ _Given = NDArray[np.generic]
 __all__ = [
     "FILM_FRAMES",
     "FILM_FRAME_LIMIT",
+    "PAGE_ALTERNATIVES",
     "STUDY_FACES",
     "STUDY_REFERENCE_FINER",
     "Closed",
@@ -39,6 +40,7 @@ __all__ = [
 
 FILM_FRAMES: int
 FILM_FRAME_LIMIT: int
+PAGE_ALTERNATIVES: int
 STUDY_FACES: list[int]
 STUDY_REFERENCE_FINER: int
 __version__: str
@@ -118,6 +120,12 @@ class Closed:
     ) -> list[tuple[str, str, str, int, float | None, float | None]]: ...
     def write(self, folder: str | os.PathLike[str], after: Closed | None) -> None: ...
     def record(self, path: str | os.PathLike[str], frames: int, after: Closed | None) -> None: ...
+    def report(
+        self,
+        path: str | os.PathLike[str],
+        recording: str | os.PathLike[str] | None,
+        after: Closed | None,
+    ) -> None: ...
     def stored(self) -> bytes: ...
     @staticmethod
     def from_stored(bytes: bytes) -> Closed: ...
@@ -148,6 +156,7 @@ class Plan:
     def csv(self) -> str: ...
     def positions_mm(self) -> list[_Points | None]: ...
     def write(self, folder: str | os.PathLike[str]) -> None: ...
+    def report(self, path: str | os.PathLike[str], most: int) -> None: ...
 
 _Surface = Closed | str | os.PathLike[str] | tuple[_Given, _Given]
 
