@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from coapt._live import Live
+    from coapt._slicer import ModelNode
 
 #: Stands in every report.
 NOTICE = "research use, not a medical device"
@@ -353,6 +354,28 @@ class Closed:
         from coapt._pyvista import closed_chords
 
         return closed_chords(self)
+
+    def to_slicer(self) -> tuple[ModelNode, ModelNode | None]:
+        """Puts the closed valve into the scene of 3D Slicer, with its displays; needs to run in Slicer.
+
+        Points and the vectors ``displacement_mm`` are turned to RAS, the frame of Slicer's scene, by the signs of x and y; everything
+        else in coapt is LPS. Each call makes new nodes.
+
+        Returns
+        -------
+        leaflets : vtkMRMLModelNode
+            With the arrays of :meth:`to_pyvista`, coloured by ``gap_mm``.
+        chordae : vtkMRMLModelNode or None
+            Segments with ``group`` and ``force_n``, coloured by the latter; None where there are none.
+
+        Raises
+        ------
+        ImportError
+            Outside Slicer.
+        """
+        from coapt._slicer import closed_valve
+
+        return closed_valve(self)
 
     def plot(
         self, *, color_by: Literal["gap_mm", "contact", "strain", "leaflet"] = "gap_mm"
