@@ -7,6 +7,8 @@ use coapt::film::{Film, film_watched};
 use coapt::measure;
 use coapt::relax::{Equilibrium, Status};
 use coapt::scene::Fault;
+use coapt_io::atomic::write_text_atomically;
+use coapt_io::page::{Page, add_film, page_html, page_of_closure};
 use coapt_io::record::{Filmed, Source, write_recording};
 use coapt_io::report::{self, Closure, Report, text, write_results};
 use numpy::{PyArray1, PyArray2};
@@ -258,6 +260,24 @@ impl Closed {
         written.map_err(|fault| outside_error(&fault))
     }
 
+    /// Writes what `coapt report` writes of the folder that `write` writes, with a film if one is named.
+    fn report(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        recording: Option<PathBuf>,
+        after: Option<&Self>,
+    ) -> PyResult<()> {
+        let page = self.told(py, after, move |closure, report| {
+            let mut page = page_of_closure(closure, report)?;
+            if let Some(recording) = &recording {
+                add_film(&mut page, recording)?;
+            }
+            Ok(page)
+        })?;
+        write_page(py, path, page)
+    }
+
     /// The closed valve as bytes, with a version.
     fn stored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         Ok(PyBytes::new(py, stored::closed(&self.inner)?.as_bytes()))
@@ -270,6 +290,15 @@ impl Closed {
         let (built, closed) = read.map_err(|faults| input_error(py, &faults))?;
         Ok(Self::new(Arc::new(built), closed))
     }
+}
+
+/// Writes a page; nothing where it could not be made.
+pub(crate) fn write_page(py: Python<'_>, path: PathBuf, page: Result<Page, Vec<Fault>>) -> PyResult<()> {
+    let page = page.map_err(|faults| input_error(py, &faults))?;
+    let written = run(py, move |_| {
+        write_text_atomically(&path, page_html(&page)?.as_bytes())
+    })?;
+    written.map_err(|fault| outside_error(&fault))
 }
 
 /// Films valves and writes the recording; stopped, it writes nothing.

@@ -45,6 +45,7 @@ mod _coapt {
         module.add("STUDY_REFERENCE_FINER", coapt_io::study::REFERENCE_FINER)?;
         module.add("FILM_FRAMES", coapt::film::FRAMES)?;
         module.add("FILM_FRAME_LIMIT", coapt_io::record::FRAME_LIMIT)?;
+        module.add("PAGE_ALTERNATIVES", coapt_io::page::SHOWN_ALTERNATIVES)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

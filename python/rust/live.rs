@@ -1,8 +1,11 @@
 //! `Live`: a closed valve whose ring is changed bit by bit, each closure beginning where the last one ended.
 //!
 //! The library's [`Interactive`] borrows its model. A thread of its own holds both, and is asked by messages; it dies with the
-//! handle. A forked child has no such thread: it gets a new one, which goes on from the last closed shape.
+//! handle. It belongs to a small pool of its own, whose other threads help with large valves: were it to hand each edit over to the
+//! common pool, two more threads would have to wake for every move of a slider. A forked child has no such threads: it gets new ones,
+//! which go on from the last closed shape.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -13,7 +16,7 @@ use coapt::scene::{Fault, Repair};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayon::ThreadPool;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::built::Built;
 use crate::closed::{Closed, Relaxed};
@@ -31,7 +34,25 @@ pub(crate) struct Live {
 
 struct Now {
     closed: Py<Closed>,
-    thread: Option<(u32, Sender<Request>)>,
+    thread: Option<Thread>,
+}
+
+/// Who closes the valve.
+struct Thread {
+    /// The number of its process.
+    process: u32,
+    /// Dropped, it ends the work of the pool; hence before it.
+    ask: Sender<Request>,
+    pool: Option<ThreadPool>,
+}
+
+impl Drop for Thread {
+    fn drop(&mut self) {
+        if self.process != std::process::id() {
+            // Its threads are the parent's: to end them would be to wait for them for ever.
+            std::mem::forget(self.pool.take());
+        }
+    }
 }
 
 /// Repairs of the valve without any, and where to tell the outcome.
@@ -90,18 +111,17 @@ impl Live {
     }
 
     fn ask(&self, py: Python<'_>, request: Request) -> PyResult<()> {
-        let process = std::process::id();
         let mut now = self.lock();
         let thread = match now.thread.take() {
-            Some((of, thread)) if of == process => thread,
+            Some(thread) if thread.process == std::process::id() => thread,
             _ => begin(
                 Arc::clone(&self.base),
                 now.closed.get().inner.relaxed.equilibrium.clone(),
-                pool(py)?,
+                pool(py)?.current_num_threads(),
             )?,
         };
-        let sent = thread.send(request);
-        now.thread = Some((process, thread));
+        let sent = thread.ask.send(request);
+        now.thread = Some(thread);
         sent.map_err(|_| PyRuntimeError::new_err("the thread of this live valve is gone; make a new one"))
     }
 }
@@ -119,21 +139,30 @@ fn changes_targets_only(before: &Built, after: &Built) -> bool {
         && held(before) == held(after)
 }
 
-/// A thread that closes the valve as often as it is asked.
-fn begin(base: Arc<Built>, closed: Equilibrium, pool: Arc<ThreadPool>) -> PyResult<Sender<Request>> {
-    let (ask, asked) = channel();
-    std::thread::Builder::new()
-        .name("coapt live".into())
-        .spawn(move || serve(&base, &closed, &pool, &asked))
+/// A thread that closes the valve as often as it is asked, in a pool of so many.
+fn begin(base: Arc<Built>, closed: Equilibrium, threads: usize) -> PyResult<Thread> {
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|_| "coapt live".into())
+        .build()
         .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-    Ok(ask)
+    let (ask, asked) = channel();
+    pool.spawn(move || {
+        // A panic in a pool's thread would end the process; so it ends the work alone, and whoever waits is told that nobody answers.
+        let _ = catch_unwind(AssertUnwindSafe(|| serve(&base, &closed, &asked)));
+    });
+    Ok(Thread {
+        process: std::process::id(),
+        ask,
+        pool: Some(pool),
+    })
 }
 
-fn serve(base: &Built, closed: &Equilibrium, pool: &ThreadPool, asked: &Receiver<Request>) {
+/// Ends once the handle is gone.
+fn serve(base: &Built, closed: &Equilibrium, asked: &Receiver<Request>) {
     let mut live = Interactive::new(&base.model, closed);
-    // Ends once the handle is gone. A panic ends it too, and whoever waits is told that nobody answers.
     while let Ok(Request { repairs, stop, tell }) = asked.recv() {
-        let answer = pool.install(|| edited(base, &mut live, &repairs, &stop));
+        let answer = edited(base, &mut live, &repairs, &stop);
         // Whoever was interrupted listens no more.
         let _ = tell.send(Some(answer));
     }

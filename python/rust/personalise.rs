@@ -136,15 +136,12 @@ fn target(py: Python<'_>, given: &Bound<'_, PyAny>) -> PyResult<(String, Target,
 impl Fit {
     /// The fit as `personalise.json` holds it.
     fn report_json(&self) -> String {
-        let report = FitReport {
-            case: &self.case,
-            per_group: self.per_group,
-            target: &self.target,
-            fit: &self.fit,
-            wall_ms: self.wall_ms,
-            warnings: self.warnings.iter().map(sentence).collect(),
-        };
-        report.json()
+        self.report().json()
+    }
+
+    /// The fit as a table for people.
+    fn text(&self) -> String {
+        self.report().text()
     }
 
     /// Whether there is a result, with every factor within its range, of a certified closure.
@@ -171,6 +168,19 @@ impl Fit {
     #[getter]
     fn tuned(&self) -> Option<Closed> {
         self.tuned.as_ref().map(closed)
+    }
+}
+
+impl Fit {
+    fn report(&self) -> FitReport<'_> {
+        FitReport {
+            case: &self.case,
+            per_group: self.per_group,
+            target: &self.target,
+            fit: &self.fit,
+            wall_ms: self.wall_ms,
+            warnings: self.warnings.iter().map(sentence).collect(),
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use coapt::Vec3;
 use coapt::plan::{Comparison, Row, Watch};
 use coapt::scene::Fault;
+use coapt_io::page::page_of_plan;
 use coapt_io::plan::{self, PlanFile, PlanReport, csv, prepare_shapes, text, write_plan};
 use coapt_io::scene::{Alternatives, alternatives_from_text, read_text};
 use numpy::PyArray2;
@@ -14,6 +15,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays::out_points;
 use crate::built::Built;
+use crate::closed::write_page;
 use crate::fault::{input_error, one_error, outside_error};
 use crate::run::{Stop, run};
 use crate::table::table;
@@ -188,6 +190,26 @@ impl Plan {
             )
         })?;
         written.map_err(|fault| outside_error(&fault))
+    }
+
+    /// Writes what `coapt report` writes of the folder that `write` writes, with the shapes of so many alternatives.
+    fn report(&self, py: Python<'_>, path: PathBuf, most: usize) -> PyResult<()> {
+        let done = Arc::clone(&self.inner);
+        if done.comparison.before.positions_mm.is_empty() {
+            let message =
+                "holds no closed shapes, which a page shows; expected one compared with `keep_shapes=True`";
+            return Err(one_error(py, "plan", message));
+        }
+        let page = run(py, move |_| {
+            page_of_plan(
+                &done.report,
+                &done.built.model,
+                &done.plan,
+                &done.comparison,
+                most,
+            )
+        })?;
+        write_page(py, path, page)
     }
 }
 

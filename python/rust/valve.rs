@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use coapt::Vec3;
 use coapt::relax::relax_watched;
-use coapt::scene::{Fault, LineMesh, Load, MMHG_MPA, Repair, Scene, SurfaceMesh};
+use coapt::scene::{Fault, LineMesh, Load, MMHG_MPA, Repair, Scene, Space, SurfaceMesh};
 use coapt::state::State;
-use coapt_io::scene::{part_from_table, write_scene};
+use coapt_io::scene::{part_from_table, turn_scene, write_scene};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -107,6 +107,9 @@ impl Valve {
         }
         if let Some(curve) = annulus_mm {
             scene.annulus.curve_mm = Some(points("annulus_mm", &curve)?);
+        }
+        if scene.space == Space::RAS {
+            turn_scene(&mut scene);
         }
         made(py, run(py, move |_| built::build(scene, None, Vec::new()))?)
     }

@@ -107,6 +107,46 @@ def test_a_preset_of_arrays_closes_to_the_same_bytes():
     assert again.close().positions_mm.tobytes() == valve.close().positions_mm.tobytes()
 
 
+def test_arrays_in_ras_are_turned():
+    """All parts of a preset in RAS: x and y of other sign, of points, motions and landmarks. What comes back is LPS, to the last bit."""
+    given = coapt.generate("healthy", faces=160)
+    scene = json.loads(given.__reduce__()[1][0])["scene"]
+    around = given.points_mm[given.annulus]
+
+    def valve(space, turn):
+        def turned(points):
+            return np.ascontiguousarray(np.array(points, dtype=float).reshape(-1, 3) * turn)
+
+        leaflets = [
+            coapt.Leaflet(
+                it["name"],
+                turned(it["mesh"]["points_mm"]),
+                np.array(it["mesh"]["faces"]),
+                annulus_displacement_mm=turned(it["mesh"]["points_mm"]) * 0.01,
+            )
+            for it in scene["leaflets"]
+        ]
+        chordae = [
+            coapt.ChordGroup(it["name"], turned(it["mesh"]["points_mm"]), np.array(it["mesh"]["segments"])) for it in scene["chordae"]
+        ]
+        papillary = [coapt.PapillaryMuscle(it["name"], turned(it["tips_mm"]), turned(it["tips_mm"]) * 0.01) for it in scene["papillary"]]
+        return coapt.Valve(
+            leaflets,
+            chordae,
+            papillary,
+            annulus_mm=turned(around),
+            annulus_tolerance_mm=0.5,
+            landmarks=coapt.Landmarks(mid_anterior_mm=turned(around[np.argmin(around[:, 1])])[0].tolist()),
+            space=space,
+        )
+
+    lps, ras = valve("LPS", [1, 1, 1]), valve("RAS", [-1, -1, 1])
+    assert ras.points_mm.tobytes() == lps.points_mm.tobytes()
+    assert ras.chords[0].tobytes() == lps.chords[0].tobytes()
+    limited = coapt.Settings(iteration_limit=3)
+    assert ras.close(settings=limited).positions_mm.tobytes() == lps.close(settings=limited).positions_mm.tobytes()
+
+
 FAULTS = {
     "float32": (lambda p, t, c: {"points_mm": p.astype(np.float32)}, r"points_mm is float32 of shape \(25, 3\); expected"),
     "order": (lambda p, t, c: {"points_mm": np.asfortranarray(p)}, "not C-contiguous; expected"),

@@ -25,6 +25,29 @@ def test_nothing_optional_is_imported_unasked():
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.parametrize(
+    ("call", "package"),
+    [
+        ("closed.to_dataframe()", "pandas"),
+        ("coapt.plan(closed.valve, [coapt.Ring.physio_like(30)]).to_dataframe()", "pandas"),
+        ("closed.to_pyvista()", "pyvista"),
+        ("closed.chords_to_pyvista()", "pyvista"),
+        ("closed.valve.to_pyvista()", "pyvista"),
+        ("closed.plot()", "matplotlib"),
+        ("closed.valve.panel()", "anywidget"),
+    ],
+)
+def test_what_is_not_there_is_named_with_how_to_get_it(closed, monkeypatch, call, package):
+    # A module of None is one that is not there.
+    for module in [name for name in sys.modules if name.partition(".")[0] == package]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.delitem(sys.modules, "coapt._panel", raising=False)
+    with pytest.raises(ModuleNotFoundError, match=f"needs {package}: pip install {package}$") as caught:
+        eval(call)
+    assert caught.value.name == package
+
+
 def test_tables_are_dataframes(closed):
     pytest.importorskip("pandas")
     table = closed.to_dataframe().set_index("measure")

@@ -69,3 +69,23 @@ def test_every_slider_begins_within_its_range() -> None:
     for name, reach in RANGES.items():
         assert reach["low"] <= reach["start"] <= reach["high"], name
         assert NOTHING[name] == reach["start"]  # type: ignore[literal-required]
+
+
+def test_what_is_left_out_of_a_question_is_untouched(closed: coapt.Closed) -> None:
+    """As a person asks by hand: the sliders that are named, and no others."""
+    panel = Panel(closed)
+    panel.asked = {"ring_family": "physio-like"}
+    assert panel.repairs == [coapt.Ring(family="physio-like", size_mm=RANGES["ring_size_mm"]["start"])]
+    assert panel.answer["faults"] == [] and panel.answer["ring"] is not None
+    panel.asked = {}
+    assert panel.repairs == [] and np.array_equal(panel.closed.positions_mm, closed.positions_mm)
+
+
+def test_a_slider_that_is_not_there_is_told(closed: coapt.Closed) -> None:
+    panel = Panel(closed)
+    panel.asked = {"id": 4, "ring_famly": "physio-like", "clip": "A2P2"}
+    assert panel.answer["id"] == 4 and "faces" not in panel.answer
+    with pytest.raises(coapt.InputError) as caught:
+        panel.repairs  # noqa: B018
+    assert [fault.found for fault in caught.value.faults] == ["has the unknown key `clip`", "has the unknown key `ring_famly`"]
+    assert panel.answer["faults"] == [str(fault) for fault in caught.value.faults]

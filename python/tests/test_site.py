@@ -66,7 +66,8 @@ def test_every_public_name_is_on_the_page_of_the_interface(site, pages):
     places = pages[(site / "api.html").resolve()].places
     missing = [name for name in coapt.__all__ if f"coapt.{name}" not in places]
     assert not missing, f"docs/api.md lacks {missing}"
-    assert {"coapt.Valve.close", "coapt.Closed.orifice", "coapt.Ring.physio_like"} <= places
+    assert {"coapt.Valve.close", "coapt.Valve.from_slicer", "coapt.Closed.orifice", "coapt.Ring.physio_like"} <= places
+    assert {"coapt.Closed.report", "coapt.Closure.report", "coapt.PlanResult.report"} <= places
 
 
 def test_docstrings_stand_as_they_are_written(site, pages):

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use coapt_io::atomic::write_text_atomically;
-use coapt_io::page::{RECORDING, add_film, page_html, read_page};
+use coapt_io::page::{RECORDING, SHOWN_ALTERNATIVES, add_film, page_html, read_page};
 
 use crate::output::{Failure, Verdict, say, tell};
 
@@ -20,7 +20,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.mcap")]
     recording: Option<PathBuf>,
     /// Of a plan, show the shapes of so many alternatives, the first-ranked first; the table has all
-    #[arg(long, value_name = "N", default_value_t = 30)]
+    #[arg(long, value_name = "N", default_value_t = SHOWN_ALTERNATIVES)]
     most: usize,
 }
 

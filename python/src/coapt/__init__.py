@@ -32,6 +32,7 @@ from coapt._measures import (
     SutureForces,
     Tenting,
 )
+from coapt._parts import ChordGroup, Leaflet, PapillaryMuscle
 from coapt._personalise import ChordScale, FitResult, TargetDistance, personalise
 from coapt._plan import PlanResult, plan
 from coapt._repairs import (
@@ -65,7 +66,7 @@ from coapt._tissue import (
     StVenantKirchhoff,
     Tissue,
 )
-from coapt._valve import ChordGroup, Leaflet, PapillaryMuscle, Valve, close_many, generate, load
+from coapt._valve import Valve, close_many, generate, load
 
 __all__ = [
     "NOTICE",

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from coapt._live import Live
+    from coapt._slicer import ModelNode
 
 #: Stands in every report.
 NOTICE = "research use, not a medical device"
@@ -314,6 +315,28 @@ class Closed:
         """
         self._native.record(path, _checked_frames(frames), None)
 
+    def report(self, path: str | os.PathLike[str], *, recording: str | os.PathLike[str] | None = None) -> None:
+        """Writes one HTML page of this closed valve, to be opened in any browser without a network: what ``coapt report`` makes of
+        the folder that :meth:`write` writes.
+
+        The valve before and after a repair stands on one page where both were closed by :func:`coapt.closure`.
+
+        Parameters
+        ----------
+        path : path
+            The page, ``page.html`` say; an old one is replaced, and stays where the new one cannot be written.
+        recording : path, optional
+            The film of this closure, which :meth:`record` wrote, to be played on the page.
+
+        Raises
+        ------
+        InputError
+            A recording that cannot be read, or is of another closure; an annulus without a plane, which cannot be drawn.
+        OSError
+            What the file system says.
+        """
+        self._native.report(path, recording, None)
+
     def interactive(self) -> Live:
         """To be edited as by a slider: see :class:`coapt.Live`."""
         from coapt._live import Live
@@ -331,6 +354,28 @@ class Closed:
         from coapt._pyvista import closed_chords
 
         return closed_chords(self)
+
+    def to_slicer(self) -> tuple[ModelNode, ModelNode | None]:
+        """Puts the closed valve into the scene of 3D Slicer, with its displays; needs to run in Slicer.
+
+        Points and the vectors ``displacement_mm`` are turned to RAS, the frame of Slicer's scene, by the signs of x and y; everything
+        else in coapt is LPS. Each call makes new nodes.
+
+        Returns
+        -------
+        leaflets : vtkMRMLModelNode
+            With the arrays of :meth:`to_pyvista`, coloured by ``gap_mm``.
+        chordae : vtkMRMLModelNode or None
+            Segments with ``group`` and ``force_n``, coloured by the latter; None where there are none.
+
+        Raises
+        ------
+        ImportError
+            Outside Slicer.
+        """
+        from coapt._slicer import closed_valve
+
+        return closed_valve(self)
 
     def plot(
         self, *, color_by: Literal["gap_mm", "contact", "strain", "leaflet"] = "gap_mm"
@@ -430,6 +475,25 @@ class Closure:
             Within 0.2 s of Ctrl-C; nothing is written then.
         """
         self.before._native.record(path, _checked_frames(frames), self._after())
+
+    def report(self, path: str | os.PathLike[str], *, recording: str | os.PathLike[str] | None = None) -> None:
+        """Writes one HTML page of the valve before and after the repairs: see :meth:`Closed.report`.
+
+        Parameters
+        ----------
+        path : path
+            The page; an old one is replaced, and stays where the new one cannot be written.
+        recording : path, optional
+            The film of this closure, which :meth:`record` wrote.
+
+        Raises
+        ------
+        InputError
+            As of :meth:`Closed.report`.
+        OSError
+            What the file system says.
+        """
+        self.before._native.report(path, recording, self._after())
 
     def _after(self) -> _core.Closed | None:
         return None if self.after is None else self.after._native

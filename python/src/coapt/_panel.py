@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypedDict, cast, get_args
 
@@ -10,7 +11,7 @@ import numpy as np
 import traitlets
 
 from coapt._closed import NOTICE, Closed
-from coapt._errors import InputError
+from coapt._errors import Fault, InputError
 from coapt._repairs import Clip, Neochord, Repair, Ring
 from coapt._tables import Row
 
@@ -73,6 +74,21 @@ NOTHING: Asked = {
 }
 
 
+def whole(given: Mapping[str, Any]) -> Asked:
+    """What the sliders say, with what is left out as before anybody has moved one.
+
+    Raises
+    ------
+    InputError
+        A key that no slider has.
+    """
+    unknown = sorted(str(key) for key in given if key not in NOTHING)
+    if unknown:
+        expected = ", ".join(key for key in NOTHING if key != "id")
+        raise InputError(Fault("panel.asked", f"has the unknown key `{key}`; expected some of {expected}") for key in unknown)
+    return cast(Asked, {**NOTHING, **given})
+
+
 def repairs(asked: Asked) -> list[Repair]:
     """The repairs that the sliders ask for.
 
@@ -101,14 +117,15 @@ def repairs(asked: Asked) -> list[Repair]:
     return wanted
 
 
-def answered(before: Closed, asked: Asked) -> dict[str, object]:
+def answered(before: Closed, given: Mapping[str, Any]) -> dict[str, object]:
     """The valve closed as asked for, as the panel draws it; where that cannot be carried out, why: the old shape then stays."""
+    number = given.get("id", NOTHING["id"])
     try:
-        wanted = repairs(asked)
+        wanted = repairs(whole(given))
         closed = before.valve.with_repair(*wanted).close() if wanted else before
     except InputError as error:
-        return {"id": asked["id"], "faults": [str(fault) for fault in error.faults]}
-    return {"id": asked["id"], "faults": [], **drawn(before, closed)}
+        return {"id": number, "faults": [str(fault) for fault in error.faults]}
+    return {"id": number, "faults": [], **drawn(before, closed)}
 
 
 def drawn(before: Closed, closed: Closed) -> dict[str, object]:
@@ -184,8 +201,14 @@ class Panel(anywidget.AnyWidget):
 
     @property
     def repairs(self) -> list[Repair]:
-        """What the sliders ask for."""
-        return repairs(cast(Asked, self.asked))
+        """What the sliders ask for; of keys that ``asked`` leaves out, what untouched sliders do: nothing.
+
+        Raises
+        ------
+        InputError
+            A key that no slider has; a value that a repair does not take.
+        """
+        return repairs(whole(self.asked))
 
     @property
     def closed(self) -> Closed:
@@ -200,4 +223,4 @@ class Panel(anywidget.AnyWidget):
         return self.before.valve.with_repair(*wanted).close() if wanted else self.before
 
     def _follow(self, change: Any) -> None:
-        self.answer = answered(self.before, cast(Asked, change["new"]))
+        self.answer = answered(self.before, change["new"])

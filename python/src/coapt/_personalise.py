@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, cast, final
 
 import coapt._coapt as _core
-from coapt._closed import NOTICE, Closed
+from coapt._closed import Closed
 from coapt._compare import Surface
 from coapt._measures import made
+from coapt._optional import needed
 from coapt._plain import Json
 from coapt._result import Frozen
 from coapt._valve import Valve
@@ -152,17 +153,8 @@ class FitResult(Frozen[_core.Fit]):
         return None if told is None else made(TargetDistance, told[points])
 
     def text(self) -> str:
-        """The factors with their intervals, and the error before and after."""
-        lines = [f"{self._report['case']}: chordae fitted to {self._report['target']}: {self.status}"]
-        for group in self.groups:
-            doubt = "" if group.identified else "  not decided by the surface"
-            low, high = group.interval_95
-            lines.append(f"  {group.name:<24}{group.scale:>8.4f}  ({low:.3f} to {high:.3f}){doubt}")
-        for word, distance in (("as given", self.distance_before), ("fitted", self.distance_after)):
-            if distance is not None:
-                lines.append(f"{word:<26}{distance.rms_mm:>8.3f} mm root mean square, {distance.p95_mm:.3f} mm on 95 %")
-        lines += [f"warning: {warning}" for warning in self._report["warnings"]]
-        return "\n".join([*lines, NOTICE]) + "\n"
+        """The fit as ``coapt personalise`` prints it: factors with their intervals, distances before and after, notice."""
+        return self._native.text()
 
     def to_dict(self) -> dict[str, Json]:
         """The fit with the keys of ``personalise.json``; units are in the names."""
@@ -170,7 +162,8 @@ class FitResult(Frozen[_core.Fit]):
 
     def to_dataframe(self) -> pandas.DataFrame:
         """A row per group of chordae: name, scale, the ends of its interval, whether it is identified; needs pandas."""
-        import pandas
+        with needed("pandas", "to_dataframe()"):
+            import pandas
 
         rows = [(it.name, it.scale, *it.interval_95, it.identified) for it in self.groups]
         columns = ["group", "scale", "interval_95_low", "interval_95_high", "identified"]

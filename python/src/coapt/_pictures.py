@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coapt._arrays import FloatArray
+from coapt._optional import needed
 
 if TYPE_CHECKING:
     import matplotlib.figure
@@ -20,8 +21,9 @@ VIEWS = (("from the atrium", (0, 1), (2, 1.0)), ("from the front", (0, 2), (1, -
 
 def picture(closed: Closed, color_by: str) -> matplotlib.figure.Figure:
     """The closed leaflets, nearest triangles last, in two views."""
-    from matplotlib.collections import PolyCollection
-    from matplotlib.figure import Figure
+    with needed("matplotlib", "plot()"):
+        from matplotlib.collections import PolyCollection
+        from matplotlib.figure import Figure
 
     from coapt._closed import NOTICE
 

@@ -54,6 +54,30 @@ class PlanResult(Result[_core.Plan]):
         """Closed positions of each alternative [mm], shape (n, 3), read-only; None unless ``keep_shapes``, or refused."""
         return tuple(self._native.positions_mm())
 
+    def report(self, path: str | os.PathLike[str], *, most: int = _core.PAGE_ALTERNATIVES) -> None:
+        """Writes one HTML page of the comparison, to be opened in any browser without a network: what ``coapt report`` makes of the
+        folder that :meth:`write` writes.
+
+        Parameters
+        ----------
+        path : path
+            The page, ``page.html`` say; an old one is replaced, and stays where the new one cannot be written.
+        most : int
+            Show the shapes of so many alternatives, the first-ranked first; the table has all.
+
+        Raises
+        ------
+        InputError
+            A comparison without ``keep_shapes``, or whose annulus has no plane.
+        ValueError
+            A number below zero.
+        OSError
+            What the file system says.
+        """
+        if most < 0:
+            raise ValueError(f"most is {most}; expected a number from 0")
+        self._native.report(path, most)
+
     def to_dataframe(self) -> pandas.DataFrame:
         """A row per alternative, a column per measure, as ``plan.csv``; needs pandas."""
         from coapt._tables import of_csv

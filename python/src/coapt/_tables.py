@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from coapt._optional import needed
+
 if TYPE_CHECKING:
     import pandas
 
@@ -13,7 +15,8 @@ Row = tuple[str, str, str, int, "float | None", "float | None"]
 
 def of_rows(rows: Sequence[Row], columns: Sequence[str]) -> pandas.DataFrame:
     """The rows of a report's table; what a state does not have is missing."""
-    import pandas
+    with needed("pandas", "to_dataframe()"):
+        import pandas
 
     table = [(title, name, unit, *values[: len(columns)]) for title, name, unit, _, *values in rows]
     made: pandas.DataFrame = pandas.DataFrame(table, columns=["group", "measure", "unit", *columns])
@@ -26,6 +29,7 @@ def of_csv(text: str) -> pandas.DataFrame:
     """A table that the library wrote as comma-separated values."""
     import io
 
-    import pandas
+    with needed("pandas", "to_dataframe()"):
+        import pandas
 
     return pandas.read_csv(io.StringIO(text))

@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, cast, final
 
 import coapt._coapt as _core
-from coapt._arrays import FloatArray, GivenIndices, IndexArray
+from coapt._arrays import FloatArray, IndexArray
 from coapt._errors import Fault, fault_of
+from coapt._optional import needed
+from coapt._parts import CHORD_KEYS, ChordGroup, Leaflet, PapillaryMuscle, keys_of
 from coapt._plain import Json, PlainData, Value, keys_of_repairs
 from coapt._repairs import Repair
 from coapt._settings import Contact, Landmarks, Settings, Weld
-from coapt._tissue import ChordLaw, Tissue
+from coapt._tissue import Tissue
 
 if TYPE_CHECKING:
     import pyvista
@@ -22,100 +23,11 @@ if TYPE_CHECKING:
     from coapt._closed import Closed
     from coapt._live import Live
     from coapt._panel import Panel
+    from coapt._slicer import MarkupsNode, ModelNode
 
 Preset = Literal["healthy", "dilated", "flail", "barlow", "restricted"]
 
 SCHEMA_VERSION = 1
-
-
-@dataclass(frozen=True, eq=False)
-class Leaflet:
-    """One leaflet: its open shape, which is also its unloaded shape, and its tissue.
-
-    Parameters
-    ----------
-    name : str
-        Name in reports; ``anterior`` and ``posterior`` also orient the landmarks.
-    points_mm : ndarray of float64, shape (n, 3)
-        Points of the open, unloaded surface [mm], C-contiguous.
-    triangles : ndarray of int32, int64, uint32 or uint64, shape (m, 3)
-        Triangles as point numbers from 0, C-contiguous.
-    annulus_points : ndarray of such integers, shape (k,), optional
-        Points on the annulus. Left out of all leaflets: found geometrically, or by ``annulus_mm`` of the valve.
-    annulus_displacement_mm : ndarray of float64, shape (n, 3), optional
-        Prescribed motion of annulus points from the open to the closed phase [mm]; other rows are ignored.
-    thickness_mm : float, optional
-        Tissue thickness [mm]. Default: 1.
-    tissue : Tissue, optional
-        The stress-strain law. Default: ``BilinearSprings()``.
-    """
-
-    name: str
-    points_mm: FloatArray = field(repr=False)
-    triangles: GivenIndices = field(repr=False)
-    annulus_points: GivenIndices | None = field(default=None, repr=False)
-    annulus_displacement_mm: FloatArray | None = field(default=None, repr=False)
-    thickness_mm: float | None = None
-    tissue: Tissue | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class ChordGroup:
-    """Chordae of one kind: tension-only rods. A chord may branch and may be a polyline of several segments.
-
-    Parameters
-    ----------
-    name : str
-        Name in reports, for example ``marginal``.
-    points_mm : ndarray of float64, shape (n, 3)
-        Points in the open phase [mm]. An end is welded to the papillary tip, leaflet point or chord end that it lies on.
-    segments : ndarray of int32, int64, uint32 or uint64, shape (m, 2)
-        Segments as point numbers from 0.
-    rest_length_mm : ndarray of float64, shape (m,), optional
-        Unloaded length of each segment [mm]. Default: its length in the open phase.
-    area_mm2 : ndarray of float64, shape (m,), optional
-        Cross-section of each segment [mm²]. Default: from ``diameter_mm``.
-    diameter_mm : float, optional
-        Rod diameter [mm]. Default: 1.
-    modulus_mpa : float, optional
-        Young's modulus of a linear law [MPa], instead of ``law``. Default: 30.
-    law : ChordLaw, optional
-        The stress-strain law, instead of ``modulus_mpa``.
-    rest_length_scale : float, optional
-        Factor on all rest lengths [1]. Default: 1.
-    insertion_radius_mm : float, optional
-        Leaflet tissue this near an insertion shares the chord's pull [mm]. Default: 1.5.
-    """
-
-    name: str
-    points_mm: FloatArray = field(repr=False)
-    segments: GivenIndices = field(repr=False)
-    rest_length_mm: FloatArray | None = field(default=None, repr=False)
-    area_mm2: FloatArray | None = field(default=None, repr=False)
-    diameter_mm: float | None = None
-    modulus_mpa: float | None = None
-    law: ChordLaw | None = None
-    rest_length_scale: float | None = None
-    insertion_radius_mm: float | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class PapillaryMuscle:
-    """A papillary muscle: one or several tips.
-
-    Parameters
-    ----------
-    name : str
-        Name in reports, for example ``anterolateral``.
-    tips_mm : ndarray of float64, shape (n, 3)
-        Tips in the open phase [mm].
-    displacements_mm : ndarray of float64, shape (n, 3), optional
-        Prescribed motion of each tip to the closed phase [mm]. Default: the tips stay.
-    """
-
-    name: str
-    tips_mm: FloatArray = field(repr=False)
-    displacements_mm: FloatArray | None = field(default=None, repr=False)
 
 
 @final
@@ -176,9 +88,9 @@ class Valve:
             "name": name,
             "space": space,
             "load": {"pressure_mmhg": pressure_mmhg},
-            "leaflets": [_keys(leaflet, "name", "thickness_mm", "tissue") for leaflet in leaflets],
-            "chordae": [_keys(group, *_CHORD_KEYS) for group in chordae],
-            "papillary": [_keys(muscle, "name") for muscle in papillary],
+            "leaflets": [keys_of(leaflet, "name", "thickness_mm", "tissue") for leaflet in leaflets],
+            "chordae": [keys_of(group, *CHORD_KEYS) for group in chordae],
+            "papillary": [keys_of(muscle, "name") for muscle in papillary],
             "annulus": {} if annulus_tolerance_mm is None else {"curve_tolerance_mm": annulus_tolerance_mm},
             "contact": None if contact is None else contact.to_dict(),
             "landmarks": None if landmarks is None else landmarks.to_dict(),
@@ -363,7 +275,8 @@ class Valve:
 
         Research use, not a medical device.
         """
-        from coapt._panel import Panel
+        with needed("anywidget", "panel()"):
+            from coapt._panel import Panel
 
         return Panel(self.close())
 
@@ -428,25 +341,74 @@ class Valve:
             space=space,
         )
 
+    def to_slicer(self) -> ModelNode:
+        """Puts the open leaflets into the scene of 3D Slicer; needs to run in it. Otherwise as :meth:`Closed.to_slicer`.
 
-_CHORD_KEYS = (
-    "name",
-    "diameter_mm",
-    "modulus_mpa",
-    "law",
-    "rest_length_scale",
-    "insertion_radius_mm",
-)
+        Returns
+        -------
+        vtkMRMLModelNode
+            Cells carry ``leaflet``, points ``annulus``.
 
+        Raises
+        ------
+        ImportError
+            Outside Slicer.
+        """
+        from coapt._slicer import open_leaflets
 
-def _keys(part: object, *keys: str) -> dict[str, Value]:
-    """Some attributes as keys of a scene."""
-    made: dict[str, Value] = {}
-    for key in keys:
-        value = getattr(part, key)
-        if value is not None:
-            made[key] = value.to_dict() if isinstance(value, PlainData) else value
-    return made
+        return open_leaflets(self)
+
+    @staticmethod
+    def from_slicer(
+        leaflets: ModelNode | Mapping[str, ModelNode],
+        chordae: Mapping[str, ModelNode] | None = None,
+        papillary: Mapping[str, MarkupsNode] | None = None,
+        *,
+        annulus: MarkupsNode | None = None,
+        annulus_tolerance_mm: float | None = None,
+        pressure_mmhg: float = 100.0,
+        name: str = "valve",
+    ) -> Valve:
+        """A valve of nodes in the scene of 3D Slicer, all where Slicer shows them, below their transforms.
+
+        Slicer's scene is in RAS, and nodes are taken as such: the valve is made with ``space="RAS"`` and has LPS coordinates, like
+        every other.
+
+        Parameters
+        ----------
+        leaflets : vtkMRMLModelNode, or mapping of name to vtkMRMLModelNode
+            Triangle meshes [mm], with arrays as of :meth:`from_pyvista`.
+        chordae : mapping of name to vtkMRMLModelNode, optional
+            Line meshes, with arrays as of :meth:`from_pyvista`.
+        papillary : mapping of name to vtkMRMLMarkupsNode, optional
+            Papillary tips: the control points of each node, a point list or any other.
+        annulus : vtkMRMLMarkupsNode, optional
+            The annulus, where leaflets do not mark its points: a closed curve as it is drawn, or a point list in order.
+        annulus_tolerance_mm, pressure_mmhg, name
+            As of :class:`Valve`.
+
+        Raises
+        ------
+        InputError
+            As of :class:`Valve`; cells that are no triangles or lines; nodes of another kind; points that were not placed.
+        ImportError
+            Without VTK, which Slicer has.
+        """
+        from coapt._meshes import chord_groups_of, leaflets_of
+        from coapt._slicer import curve_points, lines_of, marked_points, surfaces_of
+
+        muscles = [PapillaryMuscle(muscle, marked_points(muscle, tips)) for muscle, tips in (papillary or {}).items()]
+        return Valve(
+            leaflets_of(surfaces_of(leaflets)),
+            chord_groups_of(lines_of(chordae or {})),
+            muscles,
+            annulus_mm=None if annulus is None else curve_points("annulus", annulus),
+            annulus_tolerance_mm=annulus_tolerance_mm,
+            pressure_mmhg=pressure_mmhg,
+            name=name,
+            space="RAS",
+        )
+
 
 
 def valve_of_bytes(stored: bytes) -> Valve:

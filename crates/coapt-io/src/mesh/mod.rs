@@ -46,7 +46,7 @@ pub(crate) use announced::announced_triangles;
 pub use curve::{Curve, read_curve};
 pub use markups::{MarkupPoints, read_points, write_markups_curve};
 pub use polydata::{Array, PolyData};
-pub(crate) use write::{stage_pvd, stage_vtp};
+pub(crate) use write::{check_numbers, stage_pvd, stage_vtp};
 pub use write::{write_pvd, write_vtp};
 
 use faults::{Faults, Place, Stop};

@@ -116,7 +116,7 @@ impl Draft {
 }
 
 fn vtp_bytes(mesh: &PolyData) -> Result<Vec<u8>, String> {
-    check(mesh)?;
+    check_numbers(mesh)?;
     let cell_arrays = arrays_of_parts(mesh)?;
     let mut draft = Draft::default();
     draft.line("<?xml version=\"1.0\"?>");
@@ -158,8 +158,8 @@ fn vtp_bytes(mesh: &PolyData) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Refuses what no reader could use.
-fn check(mesh: &PolyData) -> Result<(), String> {
+/// Refuses what no reader could use: numbers that are not finite, points that do not exist, arrays of the wrong size.
+pub(crate) fn check_numbers(mesh: &PolyData) -> Result<(), String> {
     let count = mesh.points.len();
     if let Some(number) = mesh
         .points

@@ -4,7 +4,8 @@
 //! |---|---|
 //! | `page.html`, `page.css` | the frame of the page; `{{name}}` is filled in |
 //! | `viewer/src` (beside `src`) | what moves on it, built to `viewer/built/report.js` with three.js in it |
-//! | `read` | a folder of results as a [`Page`] |
+//! | `read`, `made` | a folder of results, or results in memory, as a [`Page`] |
+//! | `told` | what both take of a report |
 //! | `geometry`, `film`, `coded` | shapes and films as the numbers that the page draws |
 //! | `html` | tables and words, which are there without any script |
 
@@ -12,9 +13,11 @@ pub mod coded;
 pub mod film;
 pub mod geometry;
 mod html;
+mod made;
 mod read;
 #[cfg(test)]
 mod tests;
+mod told;
 
 use coapt::measure::ValveFrame;
 use coapt::scene::Fault;
@@ -24,7 +27,13 @@ use serde_json::Value;
 use crate::plan::Trust;
 use crate::report::TableRow;
 
+pub(crate) use made::geometry_of;
+pub use made::{page_of_closure, page_of_plan};
 pub use read::{RECORDING, add_film, read_page};
+
+/// Of a plan, the shapes of so many alternatives are shown unless another number is asked for (our choice: nobody looks through more, and
+/// the page stays small enough to be passed on).
+pub const SHOWN_ALTERNATIVES: usize = 30;
 
 /// Everything that a page shows.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,19 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use coapt::measure::{Measures, ValveFrame};
 use coapt::scene::Fault;
-use serde::Deserialize;
 use serde_json::Value;
 
 use super::coded::Coded;
 use super::film::page_films;
 use super::geometry::{Chords, Geometry, curve};
-use super::{Page, PageState, Seals};
+use super::told::{closure_page, plan_page};
+use super::{Page, PageState};
 use crate::atomic::{LIST, files_of_other_runs};
 use crate::mesh::{PolyData, read_mesh};
 use crate::record::RecordedFilm;
-use crate::report::{TableRow, rows_of};
 use crate::scene::read_text;
 
 /// The recording that is looked for in a folder of results.
@@ -96,36 +94,18 @@ fn fault(path: &Path, message: impl Into<String>) -> Vec<Fault> {
 
 fn read_closure(folder: &Path, path: &Path) -> Result<Page, Vec<Fault>> {
     let report = read_json(path)?;
-    let state = |key: &str, name: &str, folder: &Path| -> Result<PageState, Vec<Fault>> {
-        let told = &report[key];
-        let certificate = parsed(path, &format!("{key}.solve"), &told["solve"])?;
+    let has_after = report.get("after").is_some();
+    closure_page(&path.display().to_string(), report, |state| {
+        let folder = match has_after {
+            true => folder.join(state),
+            false => folder.to_owned(),
+        };
         let mut geometry = read_valve(&folder.join("closed.vtp"))?;
         let chords = [folder.join("chords.vtp"), folder.join("open_chords.vtp")];
         geometry.chords = read_chords(&chords[0], Some(&chords[1]))?;
-        geometry.rings = read_rings(folder)?;
-        Ok(PageState {
-            name: name.to_owned(),
-            rank: None,
-            only_takes_chordae: false,
-            certificate,
-            chord_groups: parsed(path, &format!("{key}.chord_groups"), &told["chord_groups"])?,
-            geometry,
-            seals: None,
-        })
-    };
-    let states = match report.get("after") {
-        Some(_) => vec![
-            state("before", "before", &folder.join("before"))?,
-            state("after", "after", &folder.join("after"))?,
-        ],
-        None => vec![state("before", "the valve", folder)?],
-    };
-    let measures = match states.len() {
-        1 => vec![&report["before"]],
-        _ => vec![&report["before"], &report["after"]],
-    };
-    let rows = table(path, &measures)?;
-    page(path, report, None, states, rows)
+        geometry.rings = read_rings(&folder)?;
+        Ok(geometry)
+    })
 }
 
 fn read_plan(folder: &Path, path: &Path, most_alternatives: usize) -> Result<Page, Vec<Fault>> {
@@ -137,122 +117,38 @@ fn read_plan(folder: &Path, path: &Path, most_alternatives: usize) -> Result<Pag
             "is not there: expected the closed shapes, which `coapt plan --out --shapes` writes",
         )
     })?;
-    let state = |number: u64, name: &str, told: &Value| -> Result<PageState, Vec<Fault>> {
-        let begins = format!("{number:04}_");
-        // Names of alternatives have no underscore in files.
-        let named = |ending: &str| {
-            files.iter().find(|path| {
-                let name = path.file_name().unwrap_or_default().to_string_lossy();
-                let rest = name.strip_prefix(&begins);
-                rest.is_some_and(|rest| rest.split_once('_').map_or("", |(_, last)| last) == ending)
-            })
-        };
-        let shape = named("");
-        let shape =
-            shape.ok_or_else(|| fault(&shapes, format!("has no shape of number {number}, {name}")))?;
-        let mut geometry = read_valve(shape)?;
-        if let Some(chords) = named("chords.vtp") {
-            geometry.chords = read_chords(chords, None)?;
-        }
-        if let Some(ring) = named("ring.vtp") {
-            geometry.rings = vec![curve(&read_surface(ring)?)];
-        }
-        Ok(PageState {
-            name: name.to_owned(),
-            rank: told["rank"].as_u64(),
-            only_takes_chordae: told["only_takes_chordae"].as_bool().unwrap_or(false),
-            certificate: parsed(path, &format!("solve of {name}"), &told["solve"])?,
-            chord_groups: group_names(&report["before"], told),
-            geometry,
-            seals: seals(&told["uncertainty"]),
-        })
-    };
-    let mut states = vec![state(0, "before", &report["before"])?];
-    let mut measures = vec![&report["before"]];
-    let rows = report["alternatives"].as_array().map_or(&[][..], Vec::as_slice);
-    let closed = rows.iter().filter(|row| row["solve"].is_object());
-    for row in closed.take(most_alternatives) {
-        let number = row["number"].as_u64().unwrap_or(0);
-        states.push(state(number, row["name"].as_str().unwrap_or("?"), row)?);
-        measures.push(row);
-    }
-    let rows = table(path, &measures)?;
-    let plan = report["plan"].as_str().unwrap_or("").to_owned();
-    page(path, report, Some(plan), states, rows)
-}
-
-/// The table of the measures of some states.
-fn table(path: &Path, states: &[&Value]) -> Result<Vec<TableRow>, Vec<Fault>> {
-    let measures = states.iter().map(|told| parsed(path, "measures", told));
-    let measures: Vec<Measures> = measures.collect::<Result<_, _>>()?;
-    Ok(rows_of(&measures.iter().collect::<Vec<_>>()))
-}
-
-fn page(
-    path: &Path,
-    report: Value,
-    plan: Option<String>,
-    states: Vec<PageState>,
-    rows: Vec<TableRow>,
-) -> Result<Page, Vec<Fault>> {
-    let frame: ValveFrame = parsed(path, "frame", &report["frame"])?;
-    let word = |key: &str| report[key].as_str().unwrap_or("").to_owned();
-    Ok(Page {
-        case: word("case"),
-        plan,
-        version: word("version"),
-        pressure_mmhg: parsed(path, "pressure_mmhg", &report["pressure_mmhg"])?,
-        frame,
-        rows,
-        states,
+    plan_page(
+        &path.display().to_string(),
         report,
-    })
-}
-
-/// Names of the chord groups of an alternative in the order of its model: chordae of the valve, then what repairs strung. A plan tells
-/// neochordae and sutures apart, not in which order they came: where there are both, no names are given.
-fn group_names(before: &Value, told: &Value) -> Vec<String> {
-    let names = |state: &Value, path: &str| -> Vec<String> {
-        let groups = state
-            .pointer(path)
-            .and_then(Value::as_array)
-            .into_iter()
-            .flatten();
-        groups
-            .map(|group| group["name"].as_str().unwrap_or("?").to_owned())
-            .collect()
-    };
-    let chordae = names(told, "/chords/groups");
-    let sutures = names(told, "/sutures");
-    let strung = chordae.len() > names(before, "/chords/groups").len();
-    match strung && !sutures.is_empty() {
-        true => Vec::new(),
-        false => [chordae, sutures].concat(),
-    }
-}
-
-fn seals(uncertainty: &Value) -> Option<Seals> {
-    let sealed = &uncertainty["sealed"];
-    let part = |key: &str| sealed[key].as_f64();
-    Some(Seals {
-        probability: [part("estimate")?, part("low")?, part("high")?],
-        samples: uncertainty["certified"].as_u64()?,
-    })
+        most_alternatives,
+        |number, name| {
+            let begins = format!("{number:04}_");
+            // Names of alternatives have no underscore in files.
+            let named = |ending: &str| {
+                files.iter().find(|path| {
+                    let name = path.file_name().unwrap_or_default().to_string_lossy();
+                    let rest = name.strip_prefix(&begins);
+                    rest.is_some_and(|rest| rest.split_once('_').map_or("", |(_, last)| last) == ending)
+                })
+            };
+            let shape = named("");
+            let shape =
+                shape.ok_or_else(|| fault(&shapes, format!("has no shape of number {number}, {name}")))?;
+            let mut geometry = read_valve(shape)?;
+            if let Some(chords) = named("chords.vtp") {
+                geometry.chords = read_chords(chords, None)?;
+            }
+            if let Some(ring) = named("ring.vtp") {
+                geometry.rings = vec![curve(&read_surface(ring)?)];
+            }
+            Ok(geometry)
+        },
+    )
 }
 
 fn read_json(path: &Path) -> Result<Value, Vec<Fault>> {
     let text = read_text(path).map_err(|fault| vec![fault])?;
     serde_json::from_str(&text).map_err(|error| fault(path, error.to_string()))
-}
-
-/// A part of a report; `key` is what messages call it.
-fn parsed<T: for<'a> Deserialize<'a>>(path: &Path, key: &str, value: &Value) -> Result<T, Vec<Fault>> {
-    T::deserialize(value).map_err(|error| {
-        fault(
-            path,
-            format!("`{key}` cannot be read ({error}): close the valve again with this version"),
-        )
-    })
 }
 
 fn read_surface(path: &Path) -> Result<PolyData, Vec<Fault>> {

@@ -12,7 +12,7 @@ use crate::plan::tests::{compared_with, report as plan_report};
 use crate::plan::text::{LIKELY, OPEN};
 use crate::plan::{PlanReport, Sampled, SearchReport, below, rates_of, write_plan};
 use crate::report::tests::closure_of;
-use crate::report::{Report, write_results};
+use crate::report::{Closure, Report, write_results};
 
 /// A folder of its own for each test, gone with it.
 struct Folder(PathBuf);
@@ -36,10 +36,16 @@ impl Drop for Folder {
     }
 }
 
-/// A small valve whose name is markup, closed, and closed on a ring; written to a folder.
-fn results(folder: &Path) -> Report {
+/// A small valve whose name is markup, closed, and closed on a ring.
+fn named_closure() -> Closure {
     let mut closure = closure_of("physio-like:30");
     closure.before.model.name = "</script><b>&".to_owned();
+    closure
+}
+
+/// The same, written to a folder.
+fn results(folder: &Path) -> Report {
+    let closure = named_closure();
     let report = Report::new(&closure);
     write_results(folder, &closure, &report).unwrap();
     report
@@ -77,6 +83,44 @@ fn a_page_shows_what_was_written() {
     assert!(html.contains("esearch use, not a medical device"));
     assert!(!html.contains("{{"), "a place of the page was not filled");
     assert_eq!(html, page_html(&read_page(folder.path(), 30).unwrap()).unwrap());
+}
+
+/// A closure in memory makes the page that its files make, with a repair and without.
+#[test]
+fn memory_and_files_make_the_same_page() {
+    let folder = Folder::new("memory");
+    let both = named_closure();
+    let alone = Closure {
+        after: None,
+        repairs: Vec::new(),
+        ..both.clone()
+    };
+    for closure in [both, alone] {
+        let report = Report::new(&closure);
+        write_results(folder.path(), &closure, &report).unwrap();
+        let page = page_of_closure(&closure, &report).unwrap();
+        assert_eq!(page, read_page(folder.path(), 30).unwrap());
+    }
+}
+
+/// What no file would hold is on no page: a point that is not finite, a valve that has no up and down.
+#[test]
+fn what_cannot_be_drawn_is_told() {
+    let mut closure = named_closure();
+    let report = Report::new(&closure);
+    closure.before.equilibrium.state.positions_mm[3].x = f64::NAN;
+    let faults = page_of_closure(&closure, &report).unwrap_err();
+    assert_eq!(
+        crate::scene::sentence(&faults[0]),
+        "before: point 3 is not finite"
+    );
+    let report = Report {
+        frame: None,
+        ..report
+    };
+    let faults = page_of_closure(&named_closure(), &report).unwrap_err();
+    let words = crate::scene::sentence(&faults[0]);
+    assert!(words.contains("annulus has no plane"), "{words}");
 }
 
 /// The open valve is the closed one less its displacement: to rounding in double precision, and then to single.

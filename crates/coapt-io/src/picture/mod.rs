@@ -11,8 +11,9 @@ use coapt::scene::Fault;
 use png::{BitDepth, ColorType, Encoder};
 
 use crate::atomic::Batch;
-use crate::page::geometry::{Chords, Geometry, curve};
-use crate::report::{Closed, Closure, NOTICE, closed_surface, loaded_chords, ring_curves};
+use crate::page::geometry::{Geometry, curve};
+use crate::page::geometry_of;
+use crate::report::{Closed, Closure, NOTICE, ring_curves};
 use canvas::{Canvas, INK, LETTER_WIDTH};
 use colours::{Colouring, UNCERTIFIED};
 use view::{Direction, drawn};
@@ -92,7 +93,9 @@ pub fn write_closure_picture(path: &Path, closure: &Closure, quantity: Quantity)
             (format!("{name}, after"), after),
         ],
     };
-    let geometries = states.iter().map(|(_, closed)| geometry(closed));
+    let geometries = states
+        .iter()
+        .map(|(_, closed)| geometry_of(&closed.model, &closed.equilibrium.state.positions_mm, false));
     let mut geometries: Vec<Geometry> = geometries.collect::<Result<_, _>>().map_err(fault)?;
     if let (Some(last), Some(_)) = (geometries.last_mut(), &closure.after) {
         last.rings = ring_curves(&closure.repairs).iter().map(curve).collect();
@@ -112,15 +115,6 @@ pub fn write_closure_picture(path: &Path, closure: &Closure, quantity: Quantity)
     let mut batch = Batch::default();
     batch.write(path, &picture_png(&frame, &shown, quantity)?)?;
     batch.finish()
-}
-
-fn geometry(closed: &Closed) -> Result<Geometry, String> {
-    let (model, positions) = (&closed.model, &closed.equilibrium.state.positions_mm);
-    let mut geometry = Geometry::of_closed_surface(&closed_surface(model, positions))?;
-    if !model.chords.ends.is_empty() {
-        geometry.chords = Some(Chords::new(&loaded_chords(model, positions), None)?);
-    }
-    Ok(geometry)
 }
 
 fn composed(frame: &ValveFrame, valves: &[Shown], quantity: Quantity) -> Canvas {

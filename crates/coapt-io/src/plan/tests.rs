@@ -10,6 +10,7 @@ use coapt::plan::{Settings, compare};
 
 use super::*;
 use crate::mesh::read_mesh;
+use crate::page::{page_of_plan, read_page};
 use crate::scene::alternatives_from_text;
 
 /// Two rings that hold, one of which widens the annulus, and one of 10 mm, which belongs to no mitral valve.
@@ -69,6 +70,24 @@ fn spoilt() -> PlanReport {
     row.rank = None;
     row.result.as_mut().unwrap().status = Status::Stalled;
     report(&compared)
+}
+
+/// A comparison in memory makes the page that its files make, of all alternatives or of the first; without shapes it makes none.
+#[test]
+fn memory_and_files_make_the_same_page() {
+    let mut of = compared();
+    let report = report(&of);
+    let folder = std::env::temp_dir().join(format!("coapt-plan-page-{}", std::process::id()));
+    write_plan(&folder, &report, &of.model, &of.plan, &of.comparison).unwrap();
+    for most in [30, 1] {
+        let page = page_of_plan(&report, &of.model, &of.plan, &of.comparison, most).unwrap();
+        assert_eq!(page.states.len(), 1 + most.min(2));
+        assert_eq!(page, read_page(&folder, most).unwrap());
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+    of.comparison.before.positions_mm.clear();
+    let faults = page_of_plan(&report, &of.model, &of.plan, &of.comparison, 30).unwrap_err();
+    assert!(faults[0].message.contains("holds no closed shapes"), "{faults:?}");
 }
 
 #[test]

@@ -17,8 +17,8 @@ use repairs::repair_report;
 
 pub use repairs::{RepairReport, RingFigures};
 pub use rows::{TableRow, rows, rows_of};
+pub(crate) use surfaces::{chords, loaded_chords, ring_curves, stage_closed_chords, stage_closed_surface};
 pub use surfaces::{closed_surface, stage_results, write_closed_surface, write_results};
-pub(crate) use surfaces::{loaded_chords, ring_curves, stage_closed_chords, stage_closed_surface};
 pub use text::text;
 pub(crate) use text::{WIDTH, is_zero, left_out_line, line, number, reasons, untangled_line, wrapped};
 

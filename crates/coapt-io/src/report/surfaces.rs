@@ -201,7 +201,7 @@ pub(crate) fn loaded_chords(model: &Model, positions_mm: &[Vec3]) -> PolyData {
 }
 
 /// The chordae in some position.
-fn chords(model: &Model, positions_mm: &[Vec3]) -> PolyData {
+pub(crate) fn chords(model: &Model, positions_mm: &[Vec3]) -> PolyData {
     let chords = &model.chords;
     PolyData {
         points: (0..chords.points.len() as u32)

@@ -4,8 +4,9 @@ use coapt::scene::{Scene, Space};
 
 use super::files::turn;
 
-/// Turns every coordinate and displacement that is written in the scene, once: from RAS to LPS.
-pub(super) fn turn_scene(scene: &mut Scene) {
+/// Turns every coordinate and displacement that is written in the scene, once: from RAS to LPS. Readers of scenes do so themselves; it is
+/// for who puts a scene together of parts in RAS.
+pub fn turn_scene(scene: &mut Scene) {
     for mesh in scene
         .leaflets
         .iter_mut()

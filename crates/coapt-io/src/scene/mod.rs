@@ -25,6 +25,7 @@ use std::path::{Path, PathBuf};
 use coapt::scene::{Fault, Scene, Severity, Space};
 
 pub use document::{in_plain_words, read_text};
+pub use frame::turn_scene;
 pub use keyed::part_from_table;
 pub use locate::{locate, located, sentence};
 pub use nearest::nearest;
@@ -69,7 +70,7 @@ pub fn scene_within(
     scene.settings.face_limit = face_limit.unwrap_or(scene.settings.face_limit);
     let mut files = Files::new("scene", folder_of(path), scene.space, scene.settings.face_limit);
     if scene.space == Space::RAS {
-        frame::turn_scene(&mut scene);
+        turn_scene(&mut scene);
     }
     fill(&mut scene, &mut files);
     files.judge_frames();
