@@ -16,16 +16,10 @@ pub fn recording(bytes: &[u8]) {
 }
 
 fn check_film(film: &RecordedFilm) {
+    check_defined(film);
     let vertices = film.frames.first().map_or(0, |frame| frame.positions_mm.len());
     for frame in &film.frames {
         assert_eq!(frame.positions_mm.len(), vertices);
-        assert!(
-            frame
-                .positions_mm
-                .iter()
-                .flatten()
-                .all(|number| number.is_finite())
-        );
     }
     assert!(
         film.faces

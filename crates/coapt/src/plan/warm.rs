@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::{
     Alternative, Diastole, Outcome, Progress, Refusal, Row, Settings, Start, Watch, apply_all, attempted,
-    closed,
+    closed, joins_edges,
 };
 use crate::Vec3;
 use crate::model::Model;
