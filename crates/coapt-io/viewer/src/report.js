@@ -279,7 +279,7 @@ function stop() {
 
 // A finger points by touching, a mouse by moving; whoever turns the valve asks nothing, and looking for the vertex takes as long as drawing.
 find("view").addEventListener("pointerdown", probe);
-find("view").addEventListener("pointermove", (event) => event.buttons === 0 && probe(event));
+find("view").addEventListener("pointermove", (event) => (event.buttons ? find("probe").replaceChildren() : probe(event)));
 
 function probe({ offsetX, offsetY }) {
   const hit = vertexAt(view, offsetX, offsetY);
