@@ -39,13 +39,8 @@ fn the_open_valve_is_told_where_it_is_certified() {
     ] {
         assert!(head.split(',').any(|it| it == column), "{column}: {head}");
     }
-    // No name holds a comma of its own.
-    for (table, fields) in [(long_csv(&report), 4), (units_csv(), 2)] {
-        assert!(
-            table.lines().all(|line| line.split(',').count() == fields),
-            "{table}"
-        );
-    }
+    // No measure's name holds a comma, which would be read as the end of it.
+    assert!(units_csv().lines().all(|line| line.split(',').count() == 2));
     assert!(long_csv(&report).contains(&format!(",Orifice area without pressure,{area}\n")));
     let open = compared.comparison.rows[0]
         .result
