@@ -437,8 +437,12 @@ fn ranked_by(report: &Value) -> String {
     let told: Vec<String> = criteria
         .map(|criterion| {
             let name = readable_criterion(criterion["criterion"].as_str().unwrap_or("?"));
-            let unit = criterion["unit"].as_str().unwrap_or("");
-            format!("{name} (in steps of {} {unit})", criterion["bin"])
+            let bin = criterion["bin"].as_f64().unwrap_or(f64::NAN);
+            match criterion["unit"].as_str().unwrap_or("") {
+                "1" => format!("{name} (in steps of {:.0} %)", 100.0 * bin),
+                "halvings" => format!("{name} (by how often it is halved)"),
+                unit => format!("{name} (in steps of {bin} {unit})"),
+            }
         })
         .collect();
     word(&format!(

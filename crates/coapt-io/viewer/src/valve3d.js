@@ -20,7 +20,7 @@ export const DIRECTIONS = {
 const FIELD_OF_VIEW_DEG = 24;
 
 export function createView(canvas) {
-  const renderer = createRenderer(canvas, { antialias: true, preserveDrawingBuffer: true });
+  const renderer = rendererOrWords(canvas);
   const camera = new three.PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 1, 2000);
   camera.up.set(0, 0, 1);
   const controls = new OrbitControls(camera, canvas);
@@ -34,6 +34,19 @@ export function createView(canvas) {
   canvas.addEventListener("keydown", (event) => turnByKey(view, event));
   lookFrom(view, "atrium");
   return view;
+}
+
+// What draws on the canvas; nothing where the browser has no WebGL or keeps it off, which is told in the canvas' place.
+function rendererOrWords(canvas) {
+  try {
+    return createRenderer(canvas, { antialias: true, preserveDrawingBuffer: true });
+  } catch {
+    const words = document.createElement("p");
+    words.className = "no-webgl";
+    words.textContent = "This browser draws nothing in three dimensions: WebGL is missing or off. All else is here.";
+    canvas.before(words);
+    return null;
+  }
 }
 
 function createRenderer(canvas, options) {
@@ -58,7 +71,7 @@ function quickRenderer(view) {
 
 export function dispose({ renderer, quick, controls }) {
   controls.dispose();
-  renderer.dispose();
+  renderer?.dispose();
   quick?.dispose();
   quick?.domElement.remove();
 }
@@ -286,7 +299,7 @@ function nextFrame(view, now_ms) {
 // Panes stand side by side. `level`: how finely.
 export function draw(view, level = LEVELS[0]) {
   const { clientWidth: width, clientHeight: height } = view.canvas;
-  if (!width || !height || !view.panes.length) return;
+  if (!view.renderer || !width || !height || !view.panes.length) return;
   const renderer = level.smoothEdges ? view.renderer : quickRenderer(view);
   setResolution(renderer, width, height, window.devicePixelRatio * level.share);
   const paneWidth = Math.floor(width / view.panes.length);

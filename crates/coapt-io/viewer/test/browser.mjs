@@ -20,9 +20,10 @@ export function write(name, text) {
   writeFileSync(join(folder, name), text);
 }
 
-export function launch() {
+// `more`: further switches of the browser.
+export function launch(more = []) {
   // Debian's own Chromium; there may be no graphics card, and no network to look for.
-  const args = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"];
+  const args = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking", ...more];
   return chromium.launch({ executablePath: CHROMIUM, args });
 }
 

@@ -257,6 +257,20 @@ test("a tablet shows everything without scrolling sideways, paper has pictures a
   assert.ok(paper.length > 50_000, `${paper.length} bytes`);
 });
 
+test("without WebGL the page says so, and all else works", async () => {
+  const without = await launch(["--disable-3d-apis"]);
+  try {
+    const { page } = await open(without, "ring.html");
+    assert.match(await page.locator(".no-webgl").textContent(), /WebGL/);
+    const section = await pixels(page, "unrolled");
+    assert.ok(section.share > 0.2, `${section.share} of the map is drawn`);
+    await page.click("[data-shown=before]");
+    assert.equal(await page.locator("#titles span").textContent(), "before: certified");
+  } finally {
+    await without.close();
+  }
+});
+
 test("without scripts all numbers are there", async () => {
   const context = await browser.newContext({ javaScriptEnabled: false });
   const page = await context.newPage();
