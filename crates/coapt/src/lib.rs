@@ -43,6 +43,9 @@ pub mod personalise;
 
 pub mod tissue_fit;
 
+#[cfg(test)]
+mod test_numbers;
+
 /// A point or a vector in space [mm] unless said otherwise.
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// A 3×3 matrix, the size of one block of a Hessian [N/mm].

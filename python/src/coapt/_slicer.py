@@ -211,7 +211,6 @@ def _points_of(node: ModelNode, mesh: vtkPolyData) -> FloatArray:
 
 
 def _rows(cells: Any, columns: int) -> NDArray[np.int64]:
-
     rows: NDArray[np.int64] = _support().vtk_to_numpy(cells.GetConnectivityArray()).astype(np.int64).reshape(-1, columns)
     return rows
 

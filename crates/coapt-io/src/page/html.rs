@@ -373,7 +373,7 @@ fn beside(page: &Page) -> String {
             .collect();
         let doubt = match closed.solve.certified {
             true => "",
-            false => " <span class=\"uncertified\">NOT CERTIFIED</span>",
+            false => &format!(" <span class=\"uncertified\">{NOT_CERTIFIED}</span>"),
         };
         if !lines.is_empty() {
             let _ = writeln!(

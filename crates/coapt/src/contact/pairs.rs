@@ -84,8 +84,8 @@ pub(super) fn are_beyond(kind: PairKind, vertices: &[u32; 4], positions_mm: &[Ve
     gap > 0.0 && gap * gap > BEYOND * direction.norm_squared() * reach_mm * reach_mm
 }
 
-/// How much farther they must be by the square [1]: more than rounding, a part of 1e-15 of the edges' length, takes off or adds to a
-/// gap as wide as the thickness, and too little to matter.
+/// How much farther than in reach they must be, by the square [1], our choice: rounding changes a gap by some 1e-15 of the edges'
+/// length, a millionth of this where edges are as long as the reach, and no pair in reach must be lost to it.
 const BEYOND: f64 = 1.0 + 1e-9;
 
 /// The square of how much nearer two parts come by these motions, at most [mm²].
@@ -220,29 +220,19 @@ fn parallel_limit_mm4(kind: PairKind, rest: &[Vec3; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Numbers of no pattern, from -1 to 1 (Knuth's linear congruence).
-    fn numbers(count: usize) -> Vec<f64> {
-        let mut state = 1_u64;
-        let mut next = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
-        (0..count).map(|_| next()).collect()
-    }
+    use crate::test_numbers::Numbers;
 
     /// What is told to be beyond reach is; of 20,000 pairs some edges apart nine of ten that are beyond it are told.
     #[test]
     fn what_is_beyond_reach_is_farther() {
-        let numbers = numbers(12 * 20_000);
+        let mut numbers = Numbers(1);
+        let quads: Vec<Vec<Vec3>> = (0..20_000).map(|_| numbers.vectors(4)).collect();
         for (kind, first_count) in [(PairKind::PointTriangle, 1), (PairKind::EdgeEdge, 2)] {
             let (mut told, mut farther) = (0, 0);
-            for number in numbers.as_chunks::<12>().0 {
+            for quad in &quads {
                 let points: [Vec3; 4] = std::array::from_fn(|k| {
-                    let apart = if k < first_count { 0.0 } else { 2.0 };
-                    Vec3::new(number[3 * k] + apart, number[3 * k + 1], number[3 * k + 2])
+                    let apart_mm = if k < first_count { 0.0 } else { 2.0 };
+                    quad[k] + Vec3::x() * apart_mm
                 });
                 let vertices = [0, 1, 2, 3];
                 let distance_mm = nearest_at(kind, &vertices, &points).separation_mm.norm();

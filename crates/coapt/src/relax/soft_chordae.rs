@@ -38,9 +38,9 @@ pub(super) fn stiffen(model: &Model, positions: &mut Vec<Vec3>, log: &mut Log) {
 }
 
 /// The model with chordae so thin that each gives at least so much under its share of the nodal forces that residuals are
-/// measured by; nothing where all
-/// keep a tenth of their cross-sections, nor without pressure: chordae have no load to share then, and softened by what tissue
-/// bears at a strain of 1e-3 they took a valve with a clip through three stages, of ten iterations each, that led nowhere.
+/// measured by; nothing where all keep a tenth of their cross-sections, nor without pressure: chordae have no load to share then, and
+/// softened by what tissue bears at a strain of 1e-3 they took a valve with a clip through three stages, of ten to sixteen iterations
+/// each, that led nowhere.
 pub(super) fn softened(model: &Model, give_mm: f64) -> Option<Model> {
     let chords = &model.chords;
     if chords.ends.is_empty() || model.pressure_mpa == 0.0 {

@@ -1,27 +1,7 @@
 use super::*;
 use crate::Vec3;
+use crate::test_numbers::Numbers;
 use nalgebra::{DMatrix, DVector};
-
-/// A repeatable sequence of numbers in −1..1 (Knuth's linear congruential generator).
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    fn below(&mut self, limit: usize) -> u32 {
-        ((self.next() + 1.0) / 2.0 * limit as f64) as u32
-    }
-
-    fn vectors(&mut self, size: usize) -> Vec<Vec3> {
-        (0..size).map(|_| Vec3::from_fn(|_, _| self.next())).collect()
-    }
-}
 
 fn add(matrix: &mut BlockMatrix, row: u32, column: u32, block: &Mat3) {
     let slot = matrix.slot(row, column).expect("in the pattern");
