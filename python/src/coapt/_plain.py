@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
+from functools import cache
 from typing import TYPE_CHECKING, ClassVar, TypeAlias, Union, cast
 
 import numpy as np
@@ -55,16 +56,22 @@ class PlainData:
         if self._TAG is not None:
             key, name = self._TAG
             made[key] = name
-        for field in fields(self):  # type: ignore[arg-type]  # every subclass is a dataclass
-            value = getattr(self, field.name)
+        for key in _keys(type(self)):
+            value = getattr(self, key)
             if value is not None:
-                made[field.name] = value.to_dict() if isinstance(value, PlainData) else value
+                made[key] = value.to_dict() if isinstance(value, PlainData) else value
         return made
 
     def replace(self, **changes: Value | PlainData | None) -> Self:
         """The same with some keys changed."""
-        kept = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        kept = {key: getattr(self, key) for key in _keys(type(self))}
         return type(self)(**{**kept, **changes})
+
+
+# Asked for with every move of a slider.
+@cache
+def _keys(kind: type[PlainData]) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(kind))  # type: ignore[arg-type]  # every subclass is a dataclass
 
 
 def _frozen(value: Curve | Vector) -> tuple[float | tuple[float, ...], ...]:
