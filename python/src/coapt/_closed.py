@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, cast, final
 
 import coapt._coapt as _core
-from coapt._arrays import FloatArray, IndexArray
+from coapt._arrays import FloatArray, IndexArray, read_only
 from coapt._measures import (
     Annulus,
     Billow,
@@ -71,6 +71,10 @@ class Certificate:
     max_penetration_mm: float
     max_penetration_at_mm: tuple[float, float, float] | None
     discretisation_mm: float
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        read_only(self.crossings)
 
 
 @dataclass(frozen=True)
@@ -510,5 +514,5 @@ def closure(valve: Valve, *repairs: Repair) -> Closure:
         Within 0.2 s of Ctrl-C.
     """
     valves = [valve] if not repairs else [valve, valve.with_repair(*repairs)]
-    closed = [Closed._of(made) for made in _core.close_many([one._native for one in valves])]
+    closed = [Closed._of(made) for made in _core.close_many([one._native for one in valves], None)]
     return Closure(closed[0], closed[1] if repairs else None)
