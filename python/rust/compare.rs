@@ -17,7 +17,7 @@ use crate::arrays::{index_rows, out_list, points};
 use crate::closed::{Closed, Inner};
 use crate::fault::{input_error, outside_error};
 use crate::run::run;
-use crate::stored;
+use crate::stored_results;
 
 /// Two surfaces compared.
 #[pyclass(frozen, module = "coapt._coapt")]
@@ -141,13 +141,13 @@ impl Comparison {
     /// The comparison as bytes, with a version.
     fn stored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let (mesh, report) = &*self.inner;
-        Ok(PyBytes::new(py, &stored::comparison(mesh, report)?))
+        Ok(PyBytes::new(py, &stored_results::comparison(mesh, report)?))
     }
 
     /// The comparison of such bytes.
     #[staticmethod]
     fn from_stored(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
-        let read = run(py, move |_| stored::read_comparison(&bytes))?;
+        let read = run(py, move |_| stored_results::read_comparison(&bytes))?;
         let read = read.map_err(|faults| input_error(py, &faults))?;
         Ok(Self {
             inner: Arc::new(read),

@@ -14,8 +14,10 @@ mod live;
 mod personalise;
 mod plan;
 mod progress;
+mod replay;
 mod run;
 mod stored;
+mod stored_results;
 mod study;
 mod table;
 mod tissue;
@@ -42,6 +44,8 @@ mod _coapt {
     use crate::personalise::{Fit, personalise};
     #[pymodule_export]
     use crate::plan::{Plan, plan_of_dict, plan_of_file};
+    #[pymodule_export]
+    use crate::replay::replayed;
     #[pymodule_export]
     use crate::study::{Study, StudyOfLaws, study, study_laws};
     #[pymodule_export]

@@ -18,7 +18,7 @@ use crate::compare::{Source, source};
 use crate::fault::{input_error, one_error};
 use crate::progress::Count;
 use crate::run::{Stop, run, run_told};
-use crate::stored;
+use crate::stored_results;
 use crate::valve::{Valve, closed_of};
 
 /// Chordae fitted to a target.
@@ -184,13 +184,13 @@ impl Fit {
 
     /// The fit as bytes, with a version.
     fn stored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        Ok(PyBytes::new(py, &stored::fit(self)?))
+        Ok(PyBytes::new(py, &stored_results::fit(self)?))
     }
 
     /// The fit of such bytes.
     #[staticmethod]
     fn from_stored(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
-        let read = run(py, move |_| stored::read_fit(&bytes))?;
+        let read = run(py, move |_| stored_results::read_fit(&bytes))?;
         read.map_err(|faults| input_error(py, &faults))
     }
 }

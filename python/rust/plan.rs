@@ -18,7 +18,7 @@ use crate::closed::write_page;
 use crate::fault::{input_error, one_error, outside_error};
 use crate::progress::Count;
 use crate::run::{Stop, run, run_told};
-use crate::stored;
+use crate::stored_results;
 use crate::table::table;
 use crate::valve::Valve;
 
@@ -231,13 +231,13 @@ impl Plan {
 
     /// The comparison as bytes, with a version.
     fn stored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        Ok(PyBytes::new(py, &stored::plan(&self.inner)?))
+        Ok(PyBytes::new(py, &stored_results::plan(&self.inner)?))
     }
 
     /// The comparison of such bytes.
     #[staticmethod]
     fn from_stored(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
-        let read = run(py, move |_| stored::read_plan(&bytes))?;
+        let read = run(py, move |_| stored_results::read_plan(&bytes))?;
         let done = read.map_err(|faults| input_error(py, &faults))?;
         Ok(Self {
             inner: Arc::new(done),

@@ -20,6 +20,7 @@ use crate::fault::{input_error, outside_error};
 use crate::progress::Count;
 use crate::run::{Stop, run, run_told};
 use crate::stored;
+use crate::stored_results;
 use crate::valve::Valve;
 
 /// A study.
@@ -159,13 +160,13 @@ impl Study {
 
     /// The study as bytes, with a version.
     fn stored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        Ok(PyBytes::new(py, &stored::study(&self.inner)?))
+        Ok(PyBytes::new(py, &stored_results::study(&self.inner)?))
     }
 
     /// The study of such bytes.
     #[staticmethod]
     fn from_stored(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
-        let read = stored::read_study(&bytes).map_err(|faults| input_error(py, &faults))?;
+        let read = stored_results::read_study(&bytes).map_err(|faults| input_error(py, &faults))?;
         Ok(Self {
             inner: Arc::new(read),
         })
@@ -201,13 +202,13 @@ impl StudyOfLaws {
 
     /// The study as bytes, with a version.
     fn stored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        Ok(PyBytes::new(py, &stored::study_of_laws(&self.inner)?))
+        Ok(PyBytes::new(py, &stored_results::study_of_laws(&self.inner)?))
     }
 
     /// The study of such bytes.
     #[staticmethod]
     fn from_stored(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
-        let read = stored::read_study_of_laws(&bytes).map_err(|faults| input_error(py, &faults))?;
+        let read = stored_results::read_study_of_laws(&bytes).map_err(|faults| input_error(py, &faults))?;
         Ok(Self {
             inner: Arc::new(read),
         })

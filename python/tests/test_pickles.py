@@ -36,6 +36,8 @@ def made(tmp_path_factory) -> dict[str, object]:
     table.write_text(BIAXIAL)
     point_list = folder / "ring.mrk.json"
     point_list.write_text(MARKUPS)
+    film = folder / "closing.mcap"
+    closure.before.record(film, frames=2)
     fault = coapt.Fault("scene.toml:3", "is 3; expected 4")
     return {
         "Valve": repaired,
@@ -50,6 +52,8 @@ def made(tmp_path_factory) -> dict[str, object]:
         "SpringQuality": coapt.check(valve).springs[0],
         "TissueFit": coapt.fit_tissue(table),
         "FileCurve": coapt.read_curve(point_list),
+        "ReplayResult": coapt.replay(film),
+        "FrameDifference": coapt.FrameDifference("/valve", 3, "lies elsewhere", 7, 1.5e-9),
         "Certificate": closure.after.certificate,
         "Iteration": closure.after.history[0],
         "Fault": fault,
@@ -130,7 +134,7 @@ def test_plain_data_survives(it):
 
 RESULTS = [
     "Valve", "Closed", "Closure", "PlanResult", "StudyResult", "LawStudyResult", "Comparison", "FitResult", "CheckResult",
-    "SpringQuality", "TissueFit", "FileCurve", "Certificate", "Iteration", "Fault", "InputError",
+    "SpringQuality", "TissueFit", "FileCurve", "ReplayResult", "FrameDifference", "Certificate", "Iteration", "Fault", "InputError",
 ]  # fmt: skip
 
 
@@ -197,3 +201,13 @@ def test_pickles_of_other_versions_are_refused(made, name):
     for spoilt in (b"", b"nonsense", stored[:-7]):
         with pytest.raises(coapt.InputError, match="pickle"):
             rebuild(spoilt)
+
+
+@pytest.mark.parametrize("name", ["Certificate", "Closure", "Iteration"])
+def test_pickles_of_before_a_module_was_parted_are_read(made, name):
+    """Their classes were `coapt._closed.…`."""
+    it = made[name]
+    stored = pickle.dumps(it, protocol=0)
+    there = f"{type(it).__module__}\n{name}".encode()
+    assert stored.count(there) == 1
+    assert same(pickle.loads(stored.replace(there, f"coapt._closed\n{name}".encode())), it)

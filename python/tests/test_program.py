@@ -242,3 +242,19 @@ def test_program_and_package_study_laws_alike(program, scene, tmp_path):
     assert len(of_scene.to_dataframe()) == len(of_scene.rows)
     with pytest.raises(ValueError, match="not tried beside laws"):
         coapt.study("healthy", laws=True, tolerances=(1e-3,))
+
+
+def test_program_and_package_draw_alike(program, scene, tmp_path):
+    closure = coapt.closure(coapt.load(scene), coapt.Ring.physio_like(30))
+    plan = tmp_path / "plan.toml"
+    plan.write_text(toml_of([coapt.Ring.physio_like(30)]))
+    for colour in ("gap", "strain", "displacement", "leaflet"):
+        for made, options in ((closure.before, []), (closure, ["--plan", plan])):
+            command = [program, "closure", scene, *options, "--picture", tmp_path / "a.png", "--colour", colour]
+            subprocess.run(command, check=True, capture_output=True)
+            made.picture(tmp_path / "b.png", colour=colour)
+            assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    with pytest.raises(coapt.InputError, match="ends in .png"):
+        closure.picture(tmp_path / "a.jpg")
+    with pytest.raises(ValueError, match="colour is 'blue'; expected"):
+        closure.picture(tmp_path / "a.png", colour="blue")

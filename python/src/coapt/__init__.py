@@ -13,8 +13,10 @@ new valves. Wrong input raises :class:`InputError` with all its faults; not conv
 Research use, not a medical device.
 """
 
+from coapt._certificate import NOTICE, Certificate, Iteration
 from coapt._check import CheckResult, SpringQuality, check
-from coapt._closed import NOTICE, Certificate, Closed, Closure, Iteration, closure
+from coapt._closed import Closed
+from coapt._closure import Closure, closure
 from coapt._coapt import __version__
 from coapt._compare import Comparison, compare
 from coapt._curve import FileCurve, read_curve
@@ -52,6 +54,7 @@ from coapt._repairs import (
     Rupture,
     TransferChord,
 )
+from coapt._replay import FrameDifference, ReplayResult, replay
 from coapt._settings import Contact, Landmarks, Settings, Weld
 from coapt._study import LawStudyResult, StudyResult, study
 from coapt._tissue import (
@@ -103,6 +106,7 @@ __all__ = [
     "Fault",
     "FileCurve",
     "FitResult",
+    "FrameDifference",
     "InputError",
     "Iteration",
     "Landmarks",
@@ -119,6 +123,7 @@ __all__ = [
     "PlanResult",
     "RelocatePapillary",
     "Repair",
+    "ReplayResult",
     "Resect",
     "Ring",
     "Rupture",
@@ -147,5 +152,6 @@ __all__ = [
     "personalise",
     "plan",
     "read_curve",
+    "replay",
     "study",
 ]

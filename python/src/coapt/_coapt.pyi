@@ -43,6 +43,7 @@ __all__ = [
     "plan_of_dict",
     "plan_of_file",
     "read_curve",
+    "replay",
     "study",
     "study_laws",
 ]
@@ -130,6 +131,7 @@ class Closed:
     ) -> list[tuple[str, str, str, int, float | None, float | None]]: ...
     def write(self, folder: str | os.PathLike[str], after: Closed | None) -> None: ...
     def record(self, path: str | os.PathLike[str], frames: int, after: Closed | None) -> None: ...
+    def picture(self, path: str | os.PathLike[str], colour: str, after: Closed | None) -> None: ...
     def report(
         self,
         path: str | os.PathLike[str],
@@ -261,4 +263,7 @@ def study_laws(
     repeats: int | None,
     progress: _Progress | None,
 ) -> StudyOfLaws: ...
+def replay(
+    path: str | os.PathLike[str],
+) -> tuple[int, int, tuple[str, int, str, tuple[int, float] | None] | None, float, list[str], str]: ...
 def read_curve(path: str | os.PathLike[str]) -> tuple[_Points, bool, list[_Told]]: ...

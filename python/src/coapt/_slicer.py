@@ -80,7 +80,7 @@ def closed_valve(closed: Closed) -> tuple[ModelNode, ModelNode | None]:
 
 
 def _notice() -> str:
-    from coapt._closed import NOTICE
+    from coapt._certificate import NOTICE
 
     return NOTICE
 
