@@ -70,7 +70,7 @@ pub(crate) fn plan(done: &plan::Done) -> PyResult<Vec<u8>> {
 
 /// A comparison's result.
 pub(crate) fn comparison(mesh: &PolyData, report: &ComparisonReport) -> PyResult<Vec<u8>> {
-    of_data(COMPARISON_FORMAT, &(mesh, report, &report.comparison.map))
+    of_data(COMPARISON_FORMAT, (mesh, report, &report.comparison.map))
 }
 
 /// A study's result.
