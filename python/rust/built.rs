@@ -81,10 +81,7 @@ pub(crate) fn build(
     source: Option<Arc<Source>>,
     of_reading: Vec<Fault>,
 ) -> Result<Built, Vec<Fault>> {
-    let located = |fault: &Fault| match &source {
-        Some(source) => source.located(fault),
-        None => fault.clone(),
-    };
+    let located = |fault: &Fault| located_in(source.as_deref(), fault);
     let mut warnings = of_reading.clone();
     match Model::build(&scene) {
         Ok(built) => {
@@ -109,7 +106,19 @@ pub(crate) fn build(
     }
 }
 
+fn located_in(source: Option<&Source>, fault: &Fault) -> Fault {
+    match source {
+        Some(source) => source.located(fault),
+        None => fault.clone(),
+    }
+}
+
 impl Built {
+    /// A fault with the line of the file that it speaks of, where the valve is from one.
+    pub(crate) fn located(&self, fault: &Fault) -> Fault {
+        located_in(self.source.as_deref(), fault)
+    }
+
     /// With more repairs, after those that it has. Faults are named by the repair that they are of, as `repair[1].size_mm`.
     pub(crate) fn repaired(&self, repairs: &[Repair]) -> Result<Self, Vec<Fault>> {
         let before = self.repairs.len();

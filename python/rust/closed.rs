@@ -9,9 +9,11 @@ use coapt::relax::{Equilibrium, Status};
 use coapt::scene::Fault;
 use coapt_io::atomic::write_text_atomically;
 use coapt_io::page::{Page, add_film, page_html, page_of_closure};
+use coapt_io::picture::{Quantity, check_name, write_closure_picture};
 use coapt_io::record::{Filmed, Source, write_recording};
 use coapt_io::report::{self, Closure, Report, text, write_results};
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyBytes;
@@ -256,6 +258,26 @@ impl Closed {
         let after = after.map(|after| Arc::clone(&after.inner));
         let written = run(py, move |stop| {
             recorded(&path, frames, &before, after.as_deref(), stop)
+        })?;
+        written.map_err(|fault| outside_error(&fault))
+    }
+
+    /// Writes what `coapt closure --picture` writes.
+    fn picture(&self, py: Python<'_>, path: PathBuf, colour: &str, after: Option<&Self>) -> PyResult<()> {
+        let quantity = match colour {
+            "gap" => Quantity::Gap,
+            "strain" => Quantity::Strain,
+            "displacement" => Quantity::Displacement,
+            "leaflet" => Quantity::Leaflet,
+            _ => {
+                let message =
+                    format!("colour is '{colour}'; expected 'gap', 'strain', 'displacement' or 'leaflet'");
+                return Err(PyValueError::new_err(message));
+            }
+        };
+        check_name("path", &path).map_err(|fault| input_error(py, &[fault]))?;
+        let written = self.told(py, after, move |closure, _| {
+            write_closure_picture(&path, closure, quantity)
         })?;
         written.map_err(|fault| outside_error(&fault))
     }

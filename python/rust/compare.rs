@@ -11,16 +11,19 @@ use coapt_io::mesh::PolyData;
 use coapt_io::report::closed_surface;
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::arrays::{index_rows, out_list, points};
 use crate::closed::{Closed, Inner};
 use crate::fault::{input_error, outside_error};
 use crate::run::run;
+use crate::stored_results;
 
 /// Two surfaces compared.
 #[pyclass(frozen, module = "coapt._coapt")]
 pub(crate) struct Comparison {
-    inner: Arc<(ReadSurface, ComparisonReport)>,
+    /// The mesh of the result, and what is told.
+    inner: Arc<(PolyData, ComparisonReport)>,
 }
 
 /// The point array that tells contact, as `coapt closure` writes it.
@@ -80,7 +83,7 @@ fn compared(
     result: Source,
     reference: Source,
     settings: &CompareSettings,
-) -> Result<(ReadSurface, ComparisonReport), Vec<Fault>> {
+) -> Result<(PolyData, ComparisonReport), Vec<Fault>> {
     // Both before any of them is refused: two wrong ones are told at once.
     let (result, reference) = (surface("result", result), surface("reference", reference));
     let ((result, mut warnings), (reference, more)) = match (result, reference) {
@@ -92,7 +95,7 @@ fn compared(
     };
     warnings.extend(more);
     let report = ComparisonReport::new(&result, &reference, settings, CONTACT, warnings)?;
-    Ok((result, report))
+    Ok((result.mesh, report))
 }
 
 fn surface(name: &str, source: Source) -> Result<(ReadSurface, Vec<Fault>), Vec<Fault>> {
@@ -133,5 +136,21 @@ impl Comparison {
         let inner = Arc::clone(&self.inner);
         let written = run(py, move |_| write_comparison(&folder, &inner.0, &inner.1))?;
         written.map_err(|fault| outside_error(&fault))
+    }
+
+    /// The comparison as bytes, with a version.
+    fn stored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let (mesh, report) = &*self.inner;
+        Ok(PyBytes::new(py, &stored_results::comparison(mesh, report)?))
+    }
+
+    /// The comparison of such bytes.
+    #[staticmethod]
+    fn from_stored(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
+        let read = run(py, move |_| stored_results::read_comparison(&bytes))?;
+        let read = read.map_err(|faults| input_error(py, &faults))?;
+        Ok(Self {
+            inner: Arc::new(read),
+        })
     }
 }

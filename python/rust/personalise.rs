@@ -3,38 +3,36 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use coapt::personalise::{ChordFit, FitSettings, FitStatus, Target, Tried, fit_chord_lengths_watched};
+use coapt::personalise::{FitSettings, Progress, Target, fit_chord_lengths_watched};
 use coapt::scene::{Fault, Scene};
 use coapt_io::mesh::read_mesh;
 use coapt_io::personalise::{FitReport, fitted_scene, target_of};
 use coapt_io::report;
 use coapt_io::scene::sentence;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::built::Built;
 use crate::closed::{Closed, Relaxed};
 use crate::compare::{Source, source};
 use crate::fault::{input_error, one_error};
-use crate::run::{Stop, run};
+use crate::progress::Count;
+use crate::run::{Stop, run, run_told};
+use crate::stored_results;
 use crate::valve::{Valve, closed_of};
 
 /// Chordae fitted to a target.
 #[pyclass(frozen, module = "coapt._coapt")]
 pub(crate) struct Fit {
-    case: String,
-    fit: ChordFit,
-    per_group: bool,
-    target: String,
-    wall_ms: f64,
-    warnings: Vec<Fault>,
+    pub(crate) report: FitReport,
     /// The valve as given, closed.
-    untuned: Option<Closure>,
+    pub(crate) untuned: Option<Closure>,
     /// The valve with the fitted lengths, closed; nothing without a result.
-    tuned: Option<Closure>,
+    pub(crate) tuned: Option<Closure>,
 }
 
 /// A valve and its closed state, made as everybody makes it: what the fit found, but for the rounding of lengths.
-type Closure = (Arc<Built>, Relaxed);
+pub(crate) type Closure = (Arc<Built>, Relaxed);
 
 /// Fits the lengths of the chordae so that the valve closes to a surface.
 #[pyfunction]
@@ -43,6 +41,7 @@ pub(crate) fn personalise(
     valve: &Bound<'_, Valve>,
     closed_surface: &Bound<'_, PyAny>,
     per_group: bool,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Fit> {
     let given = Arc::clone(&valve.get().built);
     if !given.repairs.is_empty() {
@@ -58,11 +57,11 @@ pub(crate) fn personalise(
         ..FitSettings::default()
     };
     let of_target = name.clone();
-    let done = run(py, move |stop| {
-        fitted(given, &target, &settings, &of_target, stop)
+    let done = run_told(py, progress, move |stop, count| {
+        fitted(given, &target, &settings, &of_target, (stop, count))
     })?;
     let mut fit = done.map_err(|faults| input_error(py, &faults))?;
-    fit.warnings.extend(warnings);
+    fit.report.warnings.extend(warnings.iter().map(sentence));
     Ok(fit)
 }
 
@@ -71,10 +70,18 @@ fn fitted(
     target: &Target,
     settings: &FitSettings,
     name: &str,
-    stop: &Stop,
+    (stop, count): (&Stop, &Count),
 ) -> Result<Fit, Vec<Fault>> {
     let begun = Instant::now();
-    let fit = fit_chord_lengths_watched(&given.model, target, settings, &|_| stop.flow());
+    let look = |progress: &Progress| {
+        match progress {
+            Progress::Begun(more) => count.more(*more),
+            Progress::Closed => count.step(),
+            Progress::Iterated(_) => {}
+        }
+        stop.flow()
+    };
+    let fit = fit_chord_lengths_watched(&given.model, target, settings, &look);
     let fit = fit.map_err(|faults| -> Vec<Fault> {
         let named = |fault: Fault| match fault.place.strip_prefix("target") {
             Some(rest) => Fault {
@@ -86,25 +93,31 @@ fn fitted(
         faults.into_iter().map(named).collect()
     })?;
     let wall_ms = begun.elapsed().as_secs_f64() * 1e3;
-    let close = |built: Arc<Built>| {
-        let closed = closed_of(&built, None, stop);
-        (built, closed)
-    };
     let tuned = match &fit.tuned {
-        Some(_) => Some(close(Arc::new(
-            given.of(fitted_scene(Scene::clone(&given.scene), &fit))?,
-        ))),
+        Some(_) => Some(given.of(fitted_scene(Scene::clone(&given.scene), &fit))?),
         None => None,
     };
+    // Once more, as everybody closes them.
+    count.more(usize::from(fit.untuned.is_some()) + usize::from(tuned.is_some()));
+    let close = |built: Arc<Built>| {
+        let closed = closed_of(&built, None, stop);
+        count.step();
+        (built, closed)
+    };
+    let untuned = fit.untuned.as_ref().map(|_| close(Arc::clone(&given)));
+    let tuned = tuned.map(|built| close(Arc::new(built)));
+    let warnings = given.warnings.iter().map(sentence).collect();
     Ok(Fit {
-        per_group: settings.per_group,
-        target: name.to_owned(),
-        wall_ms,
-        warnings: given.warnings.clone(),
-        untuned: fit.untuned.as_ref().map(|_| close(Arc::clone(&given))),
+        report: FitReport::new(
+            &given.model.name,
+            name,
+            settings.per_group,
+            &fit,
+            wall_ms,
+            warnings,
+        ),
+        untuned,
         tuned,
-        case: given.model.name.clone(),
-        fit,
     })
 }
 
@@ -136,19 +149,18 @@ fn target(py: Python<'_>, given: &Bound<'_, PyAny>) -> PyResult<(String, Target,
 impl Fit {
     /// The fit as `personalise.json` holds it.
     fn report_json(&self) -> String {
-        self.report().json()
+        self.report.json()
     }
 
     /// The fit as a table for people.
     fn text(&self) -> String {
-        self.report().text()
+        self.report.text()
     }
 
     /// Whether there is a result, with every factor within its range, of a certified closure.
     #[getter]
     fn certified(&self) -> bool {
-        let certified = self.fit.tuned.as_ref().is_some_and(Tried::certified);
-        self.fit.status == FitStatus::Fitted && certified
+        self.report.certified()
     }
 
     /// The valve with the fitted lengths.
@@ -169,18 +181,17 @@ impl Fit {
     fn tuned(&self) -> Option<Closed> {
         self.tuned.as_ref().map(closed)
     }
-}
 
-impl Fit {
-    fn report(&self) -> FitReport<'_> {
-        FitReport {
-            case: &self.case,
-            per_group: self.per_group,
-            target: &self.target,
-            fit: &self.fit,
-            wall_ms: self.wall_ms,
-            warnings: self.warnings.iter().map(sentence).collect(),
-        }
+    /// The fit as bytes, with a version.
+    fn stored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &stored_results::fit(self)?))
+    }
+
+    /// The fit of such bytes.
+    #[staticmethod]
+    fn from_stored(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
+        let read = run(py, move |_| stored_results::read_fit(&bytes))?;
+        read.map_err(|faults| input_error(py, &faults))
     }
 }
 

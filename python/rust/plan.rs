@@ -3,21 +3,22 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use coapt::Vec3;
-use coapt::plan::{Comparison, Row, Watch};
+use coapt::plan::{Progress, Watch};
 use coapt::scene::Fault;
 use coapt_io::page::page_of_plan;
-use coapt_io::plan::{self, PlanFile, PlanReport, csv, prepare_shapes, text, write_plan};
-use coapt_io::scene::{Alternatives, alternatives_from_text, read_text};
+use coapt_io::plan::{self, PlanFile, PlanReport, Shapes, Stage, csv, prepare_shapes, text, write_plan};
+use coapt_io::scene::{alternatives_from_text, read_text};
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::arrays::out_points;
 use crate::built::Built;
 use crate::closed::write_page;
 use crate::fault::{input_error, one_error, outside_error};
-use crate::run::{Stop, run};
+use crate::progress::Count;
+use crate::run::{Stop, run, run_told};
+use crate::stored_results;
 use crate::table::table;
 use crate::valve::Valve;
 
@@ -27,11 +28,10 @@ pub(crate) struct Plan {
     inner: Arc<Done>,
 }
 
-struct Done {
-    built: Arc<Built>,
-    plan: Alternatives,
-    comparison: Comparison,
-    report: PlanReport,
+pub(crate) struct Done {
+    pub(crate) built: Arc<Built>,
+    pub(crate) report: PlanReport,
+    pub(crate) shapes: Shapes,
 }
 
 /// The text of a plan and its name in messages.
@@ -50,6 +50,7 @@ pub(crate) fn plan_of_file(
     path: PathBuf,
     keep_shapes: bool,
     max_alternatives: u64,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Plan> {
     let text = read_text(&path).map_err(|fault| input_error(py, &[fault]))?;
     let name = path.display().to_string();
@@ -58,7 +59,7 @@ pub(crate) fn plan_of_file(
         text,
         is_made: false,
     };
-    carried_out(py, valve, text, keep_shapes, max_alternatives)
+    carried_out(py, valve, text, keep_shapes, max_alternatives, progress)
 }
 
 /// Compares the alternatives of a plan as a dictionary with the keys of a plan file.
@@ -69,6 +70,7 @@ pub(crate) fn plan_of_dict(
     plan: &Bound<'_, PyDict>,
     keep_shapes: bool,
     max_alternatives: u64,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Plan> {
     let text = toml::to_string(&table("plan", plan)?);
     let text = Text {
@@ -76,7 +78,7 @@ pub(crate) fn plan_of_dict(
         text: text.map_err(|error| one_error(py, "plan", error.to_string()))?,
         is_made: true,
     };
-    carried_out(py, valve, text, keep_shapes, max_alternatives)
+    carried_out(py, valve, text, keep_shapes, max_alternatives, progress)
 }
 
 fn carried_out(
@@ -85,10 +87,11 @@ fn carried_out(
     text: Text,
     keep_shapes: bool,
     max_alternatives: u64,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Plan> {
     let built = Arc::clone(&valve.get().built);
-    let done = run(py, move |stop| {
-        let done = carry_out(built, &text, keep_shapes, max_alternatives, stop);
+    let done = run_told(py, progress, move |stop, count| {
+        let done = carry_out(built, &text, keep_shapes, max_alternatives, (stop, count));
         done.map_err(|faults| faults.iter().map(|fault| text.told(fault)).collect::<Vec<_>>())
     })?;
     let done = done.map_err(|faults| input_error(py, &faults))?;
@@ -123,11 +126,26 @@ fn carry_out(
     text: &Text,
     keep_shapes: bool,
     max_alternatives: u64,
-    stop: &Stop,
+    (stop, count): (&Stop, &Count),
 ) -> Result<Done, Vec<Fault>> {
     let (plan, more) = alternatives_from_text(Path::new(&text.name), &text.text, max_alternatives)?;
     let warnings: Vec<Fault> = built.warnings.iter().cloned().chain(more).collect();
-    let on_stage = |_, work: &mut dyn FnMut(Watch)| work(&|_| stop.flow());
+    let on_stage = |stage, work: &mut dyn FnMut(Watch)| {
+        let is_counted = match stage {
+            // How many closures it takes, it finds out.
+            Stage::Search => false,
+            Stage::Alternatives(all) | Stage::Samples(all) => {
+                count.begin(all);
+                true
+            }
+        };
+        work(&|progress| {
+            if is_counted && matches!(progress, Progress::Closed | Progress::Refused) {
+                count.step();
+            }
+            stop.flow()
+        });
+    };
     let (report, comparison) = plan::carry_out(
         &built.model,
         text.file(),
@@ -138,9 +156,8 @@ fn carry_out(
     )?;
     Ok(Done {
         built,
-        plan,
-        comparison,
         report,
+        shapes: Shapes::from(comparison),
     })
 }
 
@@ -169,25 +186,31 @@ impl Plan {
 
     /// Closed positions of each alternative [mm], in the order of the report; none where they were not kept.
     fn positions_mm<'py>(&self, py: Python<'py>) -> PyResult<Vec<Option<Bound<'py, PyArray2<f64>>>>> {
-        let rows = self.inner.comparison.rows.iter();
-        rows.map(|row| shape(row).map(|positions| out_points(py, positions)).transpose())
-            .collect()
+        let kept = |number| {
+            self.inner
+                .shapes
+                .after_mm
+                .get(number)
+                .filter(|kept| !kept.is_empty())
+        };
+        let rows = self.inner.report.alternatives.iter();
+        rows.map(|row| {
+            let positions_mm = kept(&row.number);
+            positions_mm
+                .map(|positions| out_points(py, positions))
+                .transpose()
+        })
+        .collect()
     }
 
     /// Writes what `coapt plan --out` writes, with shapes if they were kept.
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         let done = Arc::clone(&self.inner);
         let written = run(py, move |_| {
-            if !done.comparison.before.positions_mm.is_empty() {
+            if !done.shapes.before_mm.is_empty() {
                 prepare_shapes(&folder)?;
             }
-            write_plan(
-                &folder,
-                &done.report,
-                &done.built.model,
-                &done.plan,
-                &done.comparison,
-            )
+            write_plan(&folder, &done.report, &done.built.model, &done.shapes)
         })?;
         written.map_err(|fault| outside_error(&fault))
     }
@@ -195,26 +218,29 @@ impl Plan {
     /// Writes what `coapt report` writes of the folder that `write` writes, with the shapes of so many alternatives.
     fn report(&self, py: Python<'_>, path: PathBuf, most: usize) -> PyResult<()> {
         let done = Arc::clone(&self.inner);
-        if done.comparison.before.positions_mm.is_empty() {
+        if done.shapes.before_mm.is_empty() {
             let message =
                 "holds no closed shapes, which a page shows; expected one compared with `keep_shapes=True`";
             return Err(one_error(py, "plan", message));
         }
         let page = run(py, move |_| {
-            page_of_plan(
-                &done.report,
-                &done.built.model,
-                &done.plan,
-                &done.comparison,
-                most,
-            )
+            page_of_plan(&done.report, &done.built.model, &done.shapes, most)
         })?;
         write_page(py, path, page)
     }
-}
 
-/// Where the vertices of a row ended, if that was kept.
-fn shape(row: &Row) -> Option<&[Vec3]> {
-    let outcome = row.result.as_ref().ok()?;
-    (!outcome.positions_mm.is_empty()).then_some(&outcome.positions_mm)
+    /// The comparison as bytes, with a version.
+    fn stored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &stored_results::plan(&self.inner)?))
+    }
+
+    /// The comparison of such bytes.
+    #[staticmethod]
+    fn from_stored(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
+        let read = run(py, move |_| stored_results::read_plan(&bytes))?;
+        let done = read.map_err(|faults| input_error(py, &faults))?;
+        Ok(Self {
+            inner: Arc::new(done),
+        })
+    }
 }

@@ -15,6 +15,8 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
+use crate::progress::{Count, Progress};
+
 /// How often signals are asked for: a person does not feel it, and to ask costs a microsecond.
 const ASK_EVERY: Duration = Duration::from_millis(20);
 
@@ -44,21 +46,48 @@ pub(crate) fn run<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&Stop) -> T + Send + 'static,
 ) -> PyResult<T> {
+    run_told(py, None, |stop, _| work(stop))
+}
+
+/// Does work that counts what is done, which the calling thread tells somebody meanwhile.
+///
+/// # Errors
+/// As of [`run`]; what is raised by whoever is told, which stops the work.
+pub(crate) fn run_told<T: Send + 'static>(
+    py: Python<'_>,
+    told_to: Option<Py<PyAny>>,
+    work: impl FnOnce(&Stop, &Count) -> T + Send + 'static,
+) -> PyResult<T> {
     let stop = Stop::default();
+    let count = Count::default();
+    let progress = told_to.map(|told_to| Progress::new(count.clone(), told_to));
     let (tell, told) = channel();
     let of_worker = stop.clone();
     pool(py)?.spawn(move || {
         // A panic in a pool's thread would end the process.
-        let done = catch_unwind(AssertUnwindSafe(|| work(&of_worker)));
+        let done = catch_unwind(AssertUnwindSafe(|| work(&of_worker, &count)));
         // Whoever was interrupted listens no more.
         let _ = tell.send(done.ok());
     });
-    wait(py, &stop, told)
+    wait_telling(py, &stop, told, progress)
 }
 
 /// Waits for an answer; none is a panic.
 pub(crate) fn wait<T: Send>(py: Python<'_>, stop: &Stop, told: Receiver<Option<T>>) -> PyResult<T> {
-    py.detach(move || {
+    wait_telling(py, stop, told, None)
+}
+
+fn wait_telling<T: Send>(
+    py: Python<'_>,
+    stop: &Stop,
+    told: Receiver<Option<T>>,
+    progress: Option<Progress>,
+) -> PyResult<T> {
+    let tell = &|py: Python<'_>| match &progress {
+        Some(progress) => progress.tell(py),
+        None => Ok(()),
+    };
+    let done = py.detach(move || {
         loop {
             match told.recv_timeout(ASK_EVERY) {
                 Ok(Some(done)) => return Ok(done),
@@ -67,14 +96,16 @@ pub(crate) fn wait<T: Send>(py: Python<'_>, stop: &Stop, told: Receiver<Option<T
                     return Err(PyRuntimeError::new_err(message));
                 }
                 Err(RecvTimeoutError::Timeout) => {
-                    if let Err(raised) = Python::attach(|py| py.check_signals()) {
+                    if let Err(raised) = Python::attach(|py| py.check_signals().and_then(|()| tell(py))) {
                         stop.set();
                         return Err(raised);
                     }
                 }
             }
         }
-    })
+    })?;
+    tell(py)?;
+    Ok(done)
 }
 
 /// The threads of a process, by its number. The lock is taken with Python's lock held only, as forks of Python are made: no

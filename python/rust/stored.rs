@@ -3,6 +3,7 @@
 //! A valve is its scene and its repairs, of which the same model is built again; a result is that and what the solver found.
 //! Numbers of the solver are stored by their bits, since those of a valve that did not close may be undefined.
 
+use std::fmt::Display;
 use std::sync::Arc;
 
 use coapt::Vec3;
@@ -22,7 +23,7 @@ const VALVE_FORMAT: &str = "coapt-valve/1";
 const CLOSED_FORMAT: &str = "coapt-closed/1";
 
 #[derive(Serialize, Deserialize)]
-struct StoredValve {
+pub(crate) struct StoredValve {
     format: String,
     scene: Scene,
     source: Option<Source>,
@@ -32,7 +33,7 @@ struct StoredValve {
 }
 
 #[derive(Serialize, Deserialize)]
-struct StoredClosed {
+pub(crate) struct StoredClosed {
     format: String,
     valve: StoredValve,
     status: Status,
@@ -64,12 +65,15 @@ pub(crate) fn valve(built: &Built) -> PyResult<String> {
 
 /// A result as text.
 pub(crate) fn closed(inner: &Inner) -> PyResult<String> {
-    let Relaxed { equilibrium, wall_ms } = &inner.relaxed;
+    json(&stored_closed(&inner.built, &inner.relaxed))
+}
+
+pub(crate) fn stored_closed(built: &Built, Relaxed { equilibrium, wall_ms }: &Relaxed) -> StoredClosed {
     let certificate = &equilibrium.certificate;
     let all = |points: &[Vec3]| points.iter().map(bits).collect();
-    json(&StoredClosed {
+    StoredClosed {
         format: CLOSED_FORMAT.to_owned(),
-        valve: stored(&inner.built),
+        valve: stored(built),
         status: equilibrium.status,
         stable: certificate.stable,
         crossings: certificate
@@ -91,10 +95,10 @@ pub(crate) fn closed(inner: &Inner) -> PyResult<String> {
         positions_mm: all(&equilibrium.state.positions_mm),
         reactions_n: all(&equilibrium.reactions_n),
         history: equilibrium.history.iter().map(stored_iteration).collect(),
-    })
+    }
 }
 
-fn stored(built: &Built) -> StoredValve {
+pub(crate) fn stored(built: &Built) -> StoredValve {
     let words = |fault: &Fault| (fault.place.clone(), fault.message.clone());
     StoredValve {
         format: VALVE_FORMAT.to_owned(),
@@ -143,7 +147,10 @@ pub(crate) fn read_valve(bytes: &[u8]) -> Result<Built, Vec<Fault>> {
 /// # Errors
 /// As of [`read_valve`]; positions that are none of this valve.
 pub(crate) fn read_closed(bytes: &[u8]) -> Result<(Built, Relaxed), Vec<Fault>> {
-    let stored: StoredClosed = read(bytes, CLOSED_FORMAT)?;
+    reclosed(read(bytes, CLOSED_FORMAT)?)
+}
+
+pub(crate) fn reclosed(stored: StoredClosed) -> Result<(Built, Relaxed), Vec<Fault>> {
     let built = rebuilt(stored.valve)?;
     let wanted = built.model.rest_mm.len();
     if [stored.positions_mm.len(), stored.reactions_n.len()] != [wanted; 2] {
@@ -182,25 +189,35 @@ pub(crate) fn read_closed(bytes: &[u8]) -> Result<(Built, Relaxed), Vec<Fault>> 
     Ok((built, relaxed))
 }
 
-fn rebuilt(stored: StoredValve) -> Result<Built, Vec<Fault>> {
+pub(crate) fn rebuilt(stored: StoredValve) -> Result<Built, Vec<Fault>> {
     let warning = |(place, message): (String, String)| Fault::warning(place, message);
     let of_reading = stored.of_reading.into_iter().map(warning).collect();
     build(stored.scene, stored.source.map(Arc::new), of_reading)?.repaired(&stored.repairs)
 }
 
 fn read<T: DeserializeOwned>(bytes: &[u8], format: &str) -> Result<T, Vec<Fault>> {
-    #[derive(Deserialize)]
-    struct Head {
-        format: String,
+    check_format(serde_json::from_slice(bytes), "valve", format)?;
+    serde_json::from_slice(bytes).map_err(damaged)
+}
+
+#[derive(Deserialize)]
+pub(crate) struct Head {
+    format: String,
+}
+
+pub(crate) fn check_format<E: Display>(
+    head: Result<Head, E>,
+    what: &str,
+    format: &str,
+) -> Result<(), Vec<Fault>> {
+    let fault = |message: String| Err(vec![Fault::error("pickle", message)]);
+    match head {
+        Ok(head) if head.format == format => Ok(()),
+        Ok(head) => fault(format!("is `{}`; this version reads `{format}`", head.format)),
+        Err(error) => fault(format!("is no {what} of coapt ({error}); expected {format}")),
     }
-    let fault = |message: String| vec![Fault::error("pickle", message)];
-    let head: Head = serde_json::from_slice(bytes)
-        .map_err(|error| fault(format!("is no valve of coapt ({error}); expected {format}")))?;
-    if head.format != format {
-        return Err(fault(format!(
-            "is `{}`; this version reads `{format}`",
-            head.format
-        )));
-    }
-    serde_json::from_slice(bytes).map_err(|error| fault(format!("is damaged: {error}")))
+}
+
+pub(crate) fn damaged(error: impl Display) -> Vec<Fault> {
+    vec![Fault::error("pickle", format!("is damaged: {error}"))]
 }

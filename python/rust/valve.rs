@@ -19,7 +19,7 @@ use crate::arrays::{index_list, index_rows, numbers, out_list, out_points, out_r
 use crate::built::{self, Built};
 use crate::closed::{Closed, Relaxed};
 use crate::fault::{Told, input_error, one_error, outside_error, told};
-use crate::run::{Stop, run};
+use crate::run::{Stop, run, run_told};
 use crate::stored;
 use crate::table::{table, value_of};
 
@@ -267,15 +267,24 @@ pub(crate) fn chords_at<'py>(py: Python<'py>, built: &Built, positions_mm: &[Vec
 
 /// Closes many valves, on as many threads as there are.
 #[pyfunction]
-pub(crate) fn close_many(py: Python<'_>, valves: Vec<Bound<'_, Valve>>) -> PyResult<Vec<Closed>> {
+pub(crate) fn close_many(
+    py: Python<'_>,
+    valves: Vec<Bound<'_, Valve>>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Vec<Closed>> {
     let all: Vec<Arc<Built>> = valves
         .iter()
         .map(|valve| Arc::clone(&valve.get().built))
         .collect();
     let models = all.clone();
-    let closed: Vec<Relaxed> = run(py, move |stop| {
-        let each = models.par_iter().with_max_len(1);
-        each.map(|built| closed_of(built, None, stop)).collect()
+    let closed: Vec<Relaxed> = run_told(py, progress, move |stop, count| {
+        count.begin(models.len());
+        let close = |built: &Arc<Built>| {
+            let closed = closed_of(built, None, stop);
+            count.step();
+            closed
+        };
+        models.par_iter().with_max_len(1).map(close).collect()
     })?;
     Ok(all
         .into_iter()

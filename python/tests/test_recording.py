@@ -119,6 +119,21 @@ def test_a_repaired_valve_recorded_alone_is_made_again_by_the_program(program, t
         assert done.stdout.startswith("agrees: ")
 
 
+def test_program_and_package_replay_alike(program, tmp_path):
+    path, cut = tmp_path / "closing.mcap", tmp_path / "cut.mcap"
+    coapt.generate("healthy", faces=160).close().record(path, frames=4)
+    stored = path.read_bytes()
+    cut.write_bytes(stored[: len(stored) // 2])
+    for recording in (path, cut):
+        done = subprocess.run([program, "replay", recording], check=True, capture_output=True, text=True)
+        replayed = coapt.replay(recording)
+        assert replayed.agrees and replayed.text() == done.stdout and list(replayed.doubts) == done.stderr.splitlines()
+    whole = coapt.replay(path)
+    assert (whole.frames, whole.different, whole.first, whole.farthest_mm, whole.doubts) == (4, 0, None, 0.0, ())
+    with pytest.raises(coapt.InputError, match="nowhere"):
+        coapt.replay("nowhere.mcap")
+
+
 @pytest.mark.parametrize("frames", [1, 0, -3, 10_001])
 def test_wrong_numbers_of_frames_are_told(tmp_path, frames):
     closed = coapt.generate("healthy", faces=160).close()

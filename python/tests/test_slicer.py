@@ -277,3 +277,17 @@ def test_without_slicer_it_is_said_and_nothing_of_it_is_imported_unasked():
     imported, *told = done.stdout.splitlines()
     assert imported == "[]" and len(told) == 2
     assert all(line.startswith("slicer to_slicer() needs 3D Slicer") for line in told)
+
+
+def test_without_vtk_it_is_said_what_needs_it(scene, closed, monkeypatch):
+    model = coapt.Valve.to_slicer(closed.valve)
+    # A module of None is one that is not there.
+    monkeypatch.setitem(sys.modules, "vtkmodules.util", None)
+    monkeypatch.setitem(sys.modules, "vtkmodules", None)
+    for work, name in (
+        (closed.to_slicer, "to_slicer"),
+        (closed.valve.to_slicer, "to_slicer"),
+        (lambda: coapt.Valve.from_slicer(model), "from_slicer"),
+    ):
+        with pytest.raises(ModuleNotFoundError, match=rf"^{name}\(\) needs vtk: pip install vtk$"):
+            work()

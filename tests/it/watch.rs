@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use coapt::Vec3;
 use coapt::mesh::parametric::Preset;
 use coapt::model::Model;
-use coapt::personalise::{FitSettings, FitStatus, Target, fit_chord_lengths_watched};
+use coapt::personalise::{FitSettings, FitStatus, Progress, Target, fit_chord_lengths_watched};
 use coapt::relax::{Equilibrium, Interactive, Iteration, Status, relax, relax_watched};
 use coapt::state::State;
 use coapt_tests::{close, preset_model};
@@ -121,12 +121,22 @@ fn a_fit_stops_without_a_result() {
         points_mm: closed[..model.leaflet_vertex_count].to_vec(),
     };
     let fit = |limit: usize| {
-        let asked = AtomicUsize::new(0);
-        let watch = |_: &coapt::relax::Moment| match asked.fetch_add(1, Ordering::Relaxed) < limit {
-            true => ControlFlow::Continue(()),
-            false => ControlFlow::Break(()),
+        let (asked, begun, ended) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
+        let count = |counter: &AtomicUsize, by| {
+            counter.fetch_add(by, Ordering::Relaxed);
+            ControlFlow::Continue(())
+        };
+        let watch = |progress: &Progress| match progress {
+            Progress::Begun(more) => count(&begun, *more),
+            Progress::Closed => count(&ended, 1),
+            Progress::Iterated(_) => match asked.fetch_add(1, Ordering::Relaxed) < limit {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            },
         };
         let fit = fit_chord_lengths_watched(&model, &target, &FitSettings::default(), &watch).unwrap();
+        // Whatever began came to its end, stopped or not.
+        assert_eq!([begun.into_inner(), ended.into_inner()], [fit.closures; 2]);
         (fit, asked.into_inner())
     };
     let (whole, asked) = fit(usize::MAX);

@@ -63,7 +63,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let report = ComparisonReport::new(&result, &reference, &settings, &arguments.contact_array, warnings)
         .map_err(by_option)?;
     if let Some(folder) = &arguments.out {
-        write_comparison(folder, &result, &report).map_err(Failure::Outside)?;
+        write_comparison(folder, &result.mesh, &report).map_err(Failure::Outside)?;
     }
     print(&match arguments.format {
         Format::Text => text(&report),

@@ -3,9 +3,9 @@
 use std::io::{ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use coapt::scene::{Fault, Severity};
+use coapt::scene::Fault;
+use coapt_io::check::fault_line;
 use coapt_io::escape::{escaped, escaped_lines};
-use coapt_io::scene::sentence;
 
 /// A verb ran to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,13 +80,4 @@ fn clear_count_line() {
     if COUNTING.swap(false, Ordering::Relaxed) {
         let _ = std::io::stderr().lock().write_all(CLEAR_LINE.as_bytes());
     }
-}
-
-/// `error: scene.toml:12: leaflets[0].thickness_mm is -1 mm, expected ...`, on one line whatever is told.
-pub(crate) fn fault_line(fault: &Fault) -> String {
-    let severity = match fault.severity {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-    };
-    escaped(&format!("{severity}: {}", sentence(fault)))
 }

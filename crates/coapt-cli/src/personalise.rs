@@ -1,6 +1,7 @@
 //! `coapt personalise`: fits the lengths of the chordae so that the valve closes to an imaged shape, and reports the error
 //! before and after.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -8,7 +9,7 @@ use clap::{Args, value_parser};
 use coapt::Vec3;
 use coapt::model::{Built, Model};
 use coapt::personalise::{
-    FitSettings, FitStatus, Target, Tried, annulus_closing_to, fit_chord_lengths_watched,
+    ChordFit, FitSettings, Progress, Target, Tried, annulus_closing_to, fit_chord_lengths_watched,
 };
 use coapt::scene::{Fault, Scene};
 use coapt_io::atomic::{Batch, make_folder};
@@ -68,22 +69,26 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let (fit, wall_ms) = on_threads(arguments.threads, || {
         let start = Instant::now();
         let fit = watching("the fit", |watch| {
-            fit_chord_lengths_watched(&built.model, &target, &settings, watch)
+            let look = |progress: &Progress| match progress {
+                Progress::Iterated(moment) => watch(moment),
+                Progress::Begun(_) | Progress::Closed => ControlFlow::Continue(()),
+            };
+            fit_chord_lengths_watched(&built.model, &target, &settings, &look)
         });
         let fit = fit.map_err(|faults| in_files(arguments, faults))?;
         Ok((fit, start.elapsed().as_secs_f64() * 1e3))
     })?;
     let target_name = arguments.target.display().to_string();
-    let told = FitReport {
-        case: &built.model.name,
-        per_group: arguments.per_group,
-        target: &target_name,
-        fit: &fit,
+    let told = FitReport::new(
+        &built.model.name,
+        &target_name,
+        arguments.per_group,
+        &fit,
         wall_ms,
-        warnings: built.warnings.iter().map(sentence).collect(),
-    };
+        built.warnings.iter().map(sentence).collect(),
+    );
     if let Some(folder) = &arguments.out {
-        write(folder, case.scene, &told, &built)?;
+        write(folder, case.scene, &fit, &told, &built)?;
     }
     print(&match arguments.format {
         Format::Text => told.text(),
@@ -92,8 +97,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     if let (Some(folder), true) = (&arguments.out, fit.tuned.is_some()) {
         say(&format!("the fitted scene is in {}", folder.display()));
     }
-    let certified = fit.tuned.as_ref().is_some_and(Tried::certified);
-    Ok(match fit.status == FitStatus::Fitted && certified {
+    Ok(match told.certified() {
         true => Verdict::Done,
         false => Verdict::Uncertified,
     })
@@ -196,7 +200,13 @@ fn move_annulus(scene: &mut Scene, model: &Model) {
 }
 
 /// The scene with the fitted factors, the closed valve and the report; without a result the report alone.
-fn write(folder: &Path, scene: Scene, told: &FitReport, built: &Built) -> Result<(), Failure> {
+fn write(
+    folder: &Path,
+    scene: Scene,
+    fit: &ChordFit,
+    told: &FitReport,
+    built: &Built,
+) -> Result<(), Failure> {
     // Closed once more, for the time that one closure takes; it is the fit's, to the last bit.
     let closed = |tuned: &Tried| Closure {
         before: timed("the fitted valve", tuned.model.clone()),
@@ -206,17 +216,23 @@ fn write(folder: &Path, scene: Scene, told: &FitReport, built: &Built) -> Result
         untangled: built.untangled.clone(),
         chordae_left_out: built.chordae_left_out.clone(),
     };
-    let closure = told.fit.tuned.as_ref().map(closed);
+    let closure = fit.tuned.as_ref().map(closed);
     let mut batch = Batch::default();
-    stage(&mut batch, folder, scene, told, closure.as_ref())
-        .and_then(|()| batch.finish_listed(folder))
-        .map_err(Failure::Outside)
+    stage(
+        &mut batch,
+        folder,
+        &fitted_scene(scene, fit),
+        told,
+        closure.as_ref(),
+    )
+    .and_then(|()| batch.finish_listed(folder))
+    .map_err(Failure::Outside)
 }
 
 fn stage(
     batch: &mut Batch,
     folder: &Path,
-    scene: Scene,
+    scene: &Scene,
     told: &FitReport,
     closure: Option<&Closure>,
 ) -> Result<(), Fault> {
@@ -225,6 +241,6 @@ fn stage(
     let Some(closure) = closure else {
         return Ok(());
     };
-    stage_scene(batch, folder, &fitted_scene(scene, told.fit))?;
+    stage_scene(batch, folder, scene)?;
     stage_results(batch, folder, closure, &Report::new(closure))
 }

@@ -11,7 +11,7 @@ use coapt::model::{Built, Model, size};
 use coapt::personalise::Watch;
 use coapt::plan::{self, Applied, Comparison, Progress, apply_all};
 use coapt::scene::{Fault, Repair, Scene};
-use coapt_io::plan::{PlanFile, Stage, carry_out, filmed, prepare_shapes, text, write_plan};
+use coapt_io::plan::{PlanFile, Shapes, Stage, carry_out, filmed, prepare_shapes, text, write_plan};
 use coapt_io::record::Source;
 use coapt_io::report::Closed;
 use coapt_io::scene::{ALTERNATIVE_LIMIT, Alternatives, SAMPLE_LIMIT, alternatives_from_text, read_text};
@@ -111,7 +111,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         Ok((report, comparison, best))
     })?;
     if let Some(folder) = &arguments.out {
-        write_plan(folder, &report, &model, &alternatives, &comparison).map_err(Failure::Outside)?;
+        write_plan(folder, &report, &model, &Shapes::from(comparison)).map_err(Failure::Outside)?;
     }
     if let Some(best) = &best {
         best.write(&arguments.film, &case.scene)?;

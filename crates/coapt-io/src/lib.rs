@@ -16,6 +16,10 @@ pub mod export;
 
 pub mod report;
 
+pub mod check;
+
+pub mod tissue;
+
 pub mod record;
 
 pub mod compare;

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 
 use coapt::Vec3;
-use coapt::personalise::{ChordFit, FitStatus, Target, TargetDistance, Tried};
+use coapt::personalise::{ChordFit, FitStatus, GroupScale, Target, TargetDistance, Trial, Tried};
 use coapt::scene::{Fault, Scene};
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::escape::escaped;
@@ -45,20 +46,53 @@ pub fn fitted_scene(mut scene: Scene, fit: &ChordFit) -> Scene {
 }
 
 /// What is told of a fit.
-#[derive(Clone, Debug)]
-pub struct FitReport<'a> {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FitReport {
     /// Name of the case.
-    pub case: &'a str,
+    pub case: String,
     /// Whether each group of chordae had a factor of its own.
     pub per_group: bool,
     /// What the surface is called.
-    pub target: &'a str,
-    /// What was found.
-    pub fit: &'a ChordFit,
+    pub target: String,
+    /// How the fit ended.
+    pub status: FitStatus,
+    /// The factors, shape `[group]`.
+    pub groups: Vec<GroupScale>,
+    /// The valve as given, closed; nothing where that did not converge.
+    pub untuned: Option<State>,
+    /// The valve with the fitted lengths, closed; nothing without a result.
+    pub tuned: Option<State>,
+    /// Closures computed in all.
+    pub closures: usize,
+    /// Closures that did not converge.
+    pub unconverged: usize,
+    /// Factors tried with what came of them, in their order.
+    pub history: Vec<Trial>,
     /// Wall-clock time [ms].
     pub wall_ms: f64,
     /// Repairs of the input, guesses and doubts.
     pub warnings: Vec<String>,
+}
+
+/// A closed valve of a fit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Whether it can be trusted.
+    pub certified: bool,
+    /// From all points of the surface to it.
+    pub all_points: TargetDistance,
+    /// From the points over its visible tissue.
+    pub visible_points: TargetDistance,
+}
+
+impl From<&Tried> for State {
+    fn from(tried: &Tried) -> Self {
+        Self {
+            certified: tried.certified(),
+            all_points: tried.all_points,
+            visible_points: tried.visible_points,
+        }
+    }
 }
 
 /// Stands under every pair of errors.
@@ -75,43 +109,61 @@ const ROWS: [Row; 5] = [
     ("largest", |d| d.max_mm),
 ];
 
-impl FitReport<'_> {
+impl FitReport {
+    /// Puts together what is told of the fit of a case to a surface of a name.
+    pub fn new(
+        case: &str,
+        target: &str,
+        per_group: bool,
+        fit: &ChordFit,
+        wall_ms: f64,
+        warnings: Vec<String>,
+    ) -> Self {
+        Self {
+            case: case.to_owned(),
+            per_group,
+            target: target.to_owned(),
+            status: fit.status,
+            groups: fit.groups.clone(),
+            untuned: fit.untuned.as_ref().map(State::from),
+            tuned: fit.tuned.as_ref().map(State::from),
+            closures: fit.closures,
+            unconverged: fit.unconverged,
+            history: fit.history.clone(),
+            wall_ms,
+            warnings,
+        }
+    }
+
+    /// Whether there is a result, with every factor within its range, of a certified closure.
+    pub fn certified(&self) -> bool {
+        self.status == FitStatus::Fitted && self.tuned.is_some_and(|tuned| tuned.certified)
+    }
+
     /// As one JSON object, what `personalise.json` holds.
     pub fn json(&self) -> String {
-        let state = |tried: &Option<Tried>| {
-            tried.as_ref().map(|tried| {
-                json!({
-                    "certified": tried.certified(),
-                    "all_points": tried.all_points,
-                    "visible_points": tried.visible_points,
-                })
-            })
-        };
-        let fit = self.fit;
         let whole = json!({
             "schema": "coapt-personalise/1", "version": env!("CARGO_PKG_VERSION"), "notice": NOTICE,
-            "case": self.case, "target": self.target, "per_group": self.per_group, "status": fit.status,
-            "chord_groups": fit.groups,
-            "untuned": state(&fit.untuned), "tuned": state(&fit.tuned), "caution": CAUTION,
-            "closures": fit.closures, "unconverged": fit.unconverged, "wall_ms": self.wall_ms,
-            "history": fit.history, "warnings": self.warnings,
+            "case": self.case, "target": self.target, "per_group": self.per_group, "status": self.status,
+            "chord_groups": self.groups, "untuned": self.untuned, "tuned": self.tuned, "caution": CAUTION,
+            "closures": self.closures, "unconverged": self.unconverged, "wall_ms": self.wall_ms,
+            "history": self.history, "warnings": self.warnings,
         });
         format!("{whole:#}\n")
     }
 
     /// As a table for people.
     pub fn text(&self) -> String {
-        let fit = self.fit;
-        let both = [&fit.untuned, &fit.tuned];
+        let both = [self.untuned, self.tuned];
         let mut text = format!(
             "{}: chordae fitted to {}\n",
-            escaped(self.case),
-            escaped(self.target)
+            escaped(&self.case),
+            escaped(&self.target)
         );
-        text += &format!("{}\n\n{}\n", status(fit.status), self.factors());
-        text += &distances("all points", both, |tried| tried.all_points);
-        text += &distances("points over visible tissue", both, |tried| tried.visible_points);
-        let certified = both.map(|tried| match tried.as_ref().map(Tried::certified) {
+        text += &format!("{}\n\n{}\n", status(self.status), self.factors());
+        text += &distances("all points", both, |state| state.all_points);
+        text += &distances("points over visible tissue", both, |state| state.visible_points);
+        let certified = both.map(|state| match state.map(|state| state.certified) {
             Some(true) => "yes".into(),
             Some(false) => "NO".into(),
             None => "-".into(),
@@ -120,7 +172,7 @@ impl FitReport<'_> {
         let _ = writeln!(
             text,
             "{} closures, {} of them not converged and not used; {:.0} ms\n{CAUTION}",
-            fit.closures, fit.unconverged, self.wall_ms
+            self.closures, self.unconverged, self.wall_ms
         );
         for warning in &self.warnings {
             let _ = writeln!(text, "warning: {}", escaped(warning));
@@ -135,8 +187,8 @@ impl FitReport<'_> {
             "{:<40}{:>10}{:>18}\n",
             "rest length, times that of the scene", heads[0], heads[1]
         );
-        let shown = if self.per_group { self.fit.groups.len() } else { 1 };
-        for group in self.fit.groups.iter().take(shown) {
+        let shown = if self.per_group { self.groups.len() } else { 1 };
+        for group in self.groups.iter().take(shown) {
             let name = if self.per_group {
                 &escaped(&group.name)
             } else {
@@ -165,8 +217,8 @@ fn status(status: FitStatus) -> &'static str {
 }
 
 /// Distances before and after, a line for each statistic.
-fn distances(part: &str, both: [&Option<Tried>; 2], of: fn(&Tried) -> TargetDistance) -> String {
-    let of = both.map(|tried| tried.as_ref().map(of));
+fn distances(part: &str, both: [Option<State>; 2], of: fn(State) -> TargetDistance) -> String {
+    let of = both.map(|state| state.map(of));
     let cells = |cell: &dyn Fn(TargetDistance) -> String| of.map(|of| of.map_or("-".into(), cell));
     let mut text = row(
         &format!("distance [mm], {part}"),

@@ -13,11 +13,16 @@ new valves. Wrong input raises :class:`InputError` with all its faults; not conv
 Research use, not a medical device.
 """
 
-from coapt._closed import NOTICE, Certificate, Closed, Closure, Iteration, closure
+from coapt._certificate import NOTICE, Certificate, Iteration
+from coapt._check import CheckResult, SpringQuality, check
+from coapt._closed import Closed
+from coapt._closure import Closure, closure
 from coapt._coapt import __version__
 from coapt._compare import Comparison, compare
 from coapt._curve import FileCurve, read_curve
 from coapt._errors import Fault, InputError
+from coapt._export import export
+from coapt._fit_tissue import TissueFit, fit_tissue
 from coapt._live import Live
 from coapt._measures import (
     Annulus,
@@ -49,8 +54,9 @@ from coapt._repairs import (
     Rupture,
     TransferChord,
 )
+from coapt._replay import FrameDifference, ReplayResult, replay
 from coapt._settings import Contact, Landmarks, Settings, Weld
-from coapt._study import StudyResult, study
+from coapt._study import LawStudyResult, StudyResult, study
 from coapt._tissue import (
     AnisotropicSprings,
     BilinearSprings,
@@ -77,6 +83,7 @@ __all__ = [
     "BilinearSprings",
     "Billow",
     "Certificate",
+    "CheckResult",
     "ChordCollagen",
     "ChordExponential",
     "ChordGroup",
@@ -99,9 +106,11 @@ __all__ = [
     "Fault",
     "FileCurve",
     "FitResult",
+    "FrameDifference",
     "InputError",
     "Iteration",
     "Landmarks",
+    "LawStudyResult",
     "Leaflet",
     "LeafletMeasures",
     "Live",
@@ -114,28 +123,35 @@ __all__ = [
     "PlanResult",
     "RelocatePapillary",
     "Repair",
+    "ReplayResult",
     "Resect",
     "Ring",
     "Rupture",
     "Settings",
     "SpringBranches",
+    "SpringQuality",
     "StVenantKirchhoff",
     "StudyResult",
     "SutureForces",
     "TargetDistance",
     "Tenting",
     "Tissue",
+    "TissueFit",
     "TransferChord",
     "Valve",
     "Weld",
     "__version__",
+    "check",
     "close_many",
     "closure",
     "compare",
+    "export",
+    "fit_tissue",
     "generate",
     "load",
     "personalise",
     "plan",
     "read_curve",
+    "replay",
     "study",
 ]

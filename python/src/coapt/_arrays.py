@@ -17,3 +17,8 @@ IndexArray: TypeAlias = NDArray[np.uint32]
 GivenIndices: TypeAlias = Union[
     NDArray[np.int32], NDArray[np.int64], NDArray[np.uint32], NDArray[np.uint64]
 ]
+
+
+def read_only(array: FloatArray | IndexArray) -> None:
+    """Forbids to write to an array of a result; pickles forget that."""
+    array.flags.writeable = False

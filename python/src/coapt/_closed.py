@@ -1,14 +1,14 @@
-"""Closed valves: where they came to rest, how far to trust it, what they measure."""
+"""Closed valves: where they came to rest, and what they measure."""
 
 from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, cast, final
 
 import coapt._coapt as _core
 from coapt._arrays import FloatArray, IndexArray
+from coapt._certificate import Certificate, Iteration, Status
 from coapt._measures import (
     Annulus,
     Billow,
@@ -23,7 +23,6 @@ from coapt._measures import (
     measures,
 )
 from coapt._plain import Json
-from coapt._repairs import Repair
 from coapt._valve import Valve
 
 if TYPE_CHECKING:
@@ -36,69 +35,8 @@ if TYPE_CHECKING:
     from coapt._live import Live
     from coapt._slicer import ModelNode
 
-#: Stands in every report.
-NOTICE = "research use, not a medical device"
-
-Status = Literal["converged", "iteration-limit", "stalled", "burst", "tangled-start", "interrupted"]
-
-
-@dataclass(frozen=True, eq=False)
-class Certificate:
-    """How far a result can be trusted.
-
-    Attributes
-    ----------
-    certified : bool
-        Whether the result may be used: converged, stable, nothing crosses.
-    residual : float
-        Largest force left on a free vertex over the mean nodal pressure force [1].
-    stable : bool
-        Whether a small push is answered by a return.
-    crossings : ndarray of uint32, shape (n, 3)
-        Edges (two vertices) that pass through faces (a triangle's number), by exact arithmetic. Must be empty.
-    max_penetration_mm : float
-        How far mid-surfaces in contact are nearer than their contact distance, at most [mm].
-    max_penetration_at_mm : tuple of float or None
-        Where that is [mm]; None without contact.
-    discretisation_mm : float
-        Estimated distance of the visible surface from that of an infinitely fine mesh, root mean square [mm].
-    """
-
-    certified: bool
-    residual: float
-    stable: bool
-    crossings: IndexArray
-    max_penetration_mm: float
-    max_penetration_at_mm: tuple[float, float, float] | None
-    discretisation_mm: float
-
-
-@dataclass(frozen=True)
-class Iteration:
-    """One iteration of the solver.
-
-    Attributes
-    ----------
-    residual : float
-        Residual before the step [1].
-    step_mm : float
-        Longest step of a vertex [mm].
-    damping : float
-        Added stiffness per area [MPa/mm].
-    fraction : float
-        Part of the step that was taken [1].
-    exact : bool
-        Whether the exact tangent was used.
-    faces : int
-        Triangles of the mesh that it worked on: the valve's own or a coarser one's.
-    """
-
-    residual: float
-    step_mm: float
-    damping: float
-    fraction: float
-    exact: bool
-    faces: int
+#: What a picture may be coloured by.
+Colour = Literal["gap", "strain", "displacement", "leaflet"]
 
 
 @final
@@ -313,7 +251,30 @@ class Closed:
         KeyboardInterrupt
             Within 0.2 s of Ctrl-C; nothing is written then.
         """
-        self._native.record(path, _checked_frames(frames), None)
+        self._native.record(path, checked_frames(frames), None)
+
+    def picture(self, path: str | os.PathLike[str], *, colour: Colour = "gap") -> None:
+        """Writes a PNG file with the valve from the atrium and from the side, without a display or Matplotlib: what
+        ``coapt closure --picture`` draws.
+
+        Parameters
+        ----------
+        path : path
+            The file, ``closed.png`` say; an old one is replaced, and stays where the new one cannot be written.
+        colour : {"gap", "strain", "displacement", "leaflet"}
+            What it is coloured by: distance to the other leaflet, mean strain of the edges at a point, way from the open valve, or
+            which leaflet it is.
+
+        Raises
+        ------
+        ValueError
+            Another colour.
+        InputError
+            A name that does not end in ``.png``.
+        OSError
+            What the file system says; an annulus without a plane, which cannot be drawn.
+        """
+        self._native.picture(path, colour, None)
 
     def report(self, path: str | os.PathLike[str], *, recording: str | os.PathLike[str] | None = None) -> None:
         """Writes one HTML page of this closed valve, to be opened in any browser without a network: what ``coapt report`` makes of
@@ -391,7 +352,8 @@ class Closed:
         return cast("dict[str, Any]", self._report)
 
 
-def _checked_frames(frames: int) -> int:
+def checked_frames(frames: int) -> int:
+    """A number of frames that a film may have."""
     if not 2 <= frames <= _core.FILM_FRAME_LIMIT:
         raise ValueError(f"frames is {frames}; expected a number from 2 to {_core.FILM_FRAME_LIMIT}")
     return frames
@@ -402,113 +364,10 @@ def closed_of_bytes(stored: bytes) -> Closed:
     return Closed._of(_core.Closed.from_stored(stored))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Closure:
-    """A valve closed as it is, and closed again after a plan: what ``coapt closure`` reports.
+def __getattr__(name: str) -> object:
+    """Pickles name a module, and those of versions that had it here name this one."""
+    if name == "Closure":
+        from coapt._closure import Closure
 
-    Attributes
-    ----------
-    before : Closed
-        Without the repairs.
-    after : Closed or None
-        With them; None where there are none.
-    """
-
-    before: Closed
-    after: Closed | None
-
-    @property
-    def certified(self) -> bool:
-        """Whether all that was computed may be used."""
-        return self.before.certified and (self.after is None or self.after.certified)
-
-    def __repr__(self) -> str:
-        return f"<coapt.Closure before: {self.before!r}, after: {self.after!r}>"
-
-    def text(self) -> str:
-        """The report as ``coapt closure`` prints it: certificates, table, warnings, notice."""
-        return self.before._native.text(self._after())
-
-    def _repr_html_(self) -> str:
-        from coapt._html import page
-
-        states = [("before", self.before)] + ([] if self.after is None else [("after", self.after)])
-        return page(self.before.valve.name, states, self.before._native.rows(self._after()))
-
-    def to_dict(self) -> dict[str, Json]:
-        """The report as ``report.json`` holds it; units are in the names."""
-        return cast("dict[str, Json]", json.loads(self.before._native.report_json(self._after())))
-
-    def to_dataframe(self) -> pandas.DataFrame:
-        """The table of the report: title, measure, unit, before, after; needs pandas."""
-        from coapt._tables import of_rows
-
-        return of_rows(self.before._native.rows(self._after()), ["before", "after"])
-
-    def write(self, folder: str | os.PathLike[str]) -> None:
-        """Writes what ``coapt closure --plan PLAN --out`` writes.
-
-        Raises
-        ------
-        OSError
-            What the file system says.
-        """
-        self.before._native.write(folder, self._after())
-
-    def record(self, path: str | os.PathLike[str], *, frames: int = _core.FILM_FRAMES) -> None:
-        """Writes how the valve closes before and after the repairs as one MCAP file: see :meth:`Closed.record`.
-
-        Parameters
-        ----------
-        path : path
-            The file; its layout for viewers comes beside it.
-        frames : int, optional
-            How many to each film, from 2 to 10,000. Default: 60.
-
-        Raises
-        ------
-        ValueError
-            Another number of frames.
-        OSError
-            What the file system says.
-        KeyboardInterrupt
-            Within 0.2 s of Ctrl-C; nothing is written then.
-        """
-        self.before._native.record(path, _checked_frames(frames), self._after())
-
-    def report(self, path: str | os.PathLike[str], *, recording: str | os.PathLike[str] | None = None) -> None:
-        """Writes one HTML page of the valve before and after the repairs: see :meth:`Closed.report`.
-
-        Parameters
-        ----------
-        path : path
-            The page; an old one is replaced, and stays where the new one cannot be written.
-        recording : path, optional
-            The film of this closure, which :meth:`record` wrote.
-
-        Raises
-        ------
-        InputError
-            As of :meth:`Closed.report`.
-        OSError
-            What the file system says.
-        """
-        self.before._native.report(path, recording, self._after())
-
-    def _after(self) -> _core.Closed | None:
-        return None if self.after is None else self.after._native
-
-
-def closure(valve: Valve, *repairs: Repair) -> Closure:
-    """Closes a valve as it is and, where there are repairs, after them, side by side: ``coapt closure``.
-
-    Raises
-    ------
-    InputError
-        Why a repair cannot be carried out; before anything is closed.
-    KeyboardInterrupt
-        Within 0.2 s of Ctrl-C.
-    """
-    valves = [valve] if not repairs else [valve, valve.with_repair(*repairs)]
-    closed = [Closed._of(made) for made in _core.close_many([one._native for one in valves])]
-    return Closure(closed[0], closed[1] if repairs else None)
+        return Closure
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,7 +1,7 @@
 """The native half of coapt, in Python's types. Call `coapt` instead."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import final
 
 import numpy as np
@@ -13,10 +13,12 @@ _Told = tuple[str, str, str]
 _Points = NDArray[np.float64]
 _Indices = NDArray[np.uint32]
 _Given = NDArray[np.generic]
+_Progress = Callable[[int, int], object]
 
 __all__ = [
     "FILM_FRAMES",
     "FILM_FRAME_LIMIT",
+    "FIT_UP_TO_KPA",
     "PAGE_ALTERNATIVES",
     "STUDY_FACES",
     "STUDY_REFERENCE_FINER",
@@ -26,20 +28,29 @@ __all__ = [
     "Live",
     "Plan",
     "Study",
+    "StudyOfLaws",
     "Valve",
     "__version__",
+    "check_file",
     "check_repair",
+    "check_valve",
     "close_many",
     "compare",
+    "export_model",
+    "export_results",
+    "fit_tissue",
     "personalise",
     "plan_of_dict",
     "plan_of_file",
     "read_curve",
+    "replay",
     "study",
+    "study_laws",
 ]
 
 FILM_FRAMES: int
 FILM_FRAME_LIMIT: int
+FIT_UP_TO_KPA: float
 PAGE_ALTERNATIVES: int
 STUDY_FACES: list[int]
 STUDY_REFERENCE_FINER: int
@@ -120,6 +131,7 @@ class Closed:
     ) -> list[tuple[str, str, str, int, float | None, float | None]]: ...
     def write(self, folder: str | os.PathLike[str], after: Closed | None) -> None: ...
     def record(self, path: str | os.PathLike[str], frames: int, after: Closed | None) -> None: ...
+    def picture(self, path: str | os.PathLike[str], colour: str, after: Closed | None) -> None: ...
     def report(
         self,
         path: str | os.PathLike[str],
@@ -138,7 +150,16 @@ class Live:
     def set(self, repairs: Sequence[dict[str, Value]]) -> Closed: ...
 
 def check_repair(repair: dict[str, Value]) -> None: ...
-def close_many(valves: Sequence[Valve]) -> list[Closed]: ...
+def close_many(valves: Sequence[Valve], progress: _Progress | None) -> list[Closed]: ...
+def check_file(path: str | os.PathLike[str], face_limit: int | None) -> tuple[str, str]: ...
+def check_valve(valve: Valve) -> tuple[str, str]: ...
+def export_model(valve: Valve, out: str | os.PathLike[str], format: str) -> None: ...
+def export_results(
+    valve: Valve, out: str | os.PathLike[str], results: str | os.PathLike[str]
+) -> list[_Told]: ...
+def fit_tissue(
+    curve: str | os.PathLike[str], anisotropic: bool, up_to_kpa: float, thickness_mm: float | None
+) -> tuple[str, str, str]: ...
 
 @final
 class Comparison:
@@ -146,6 +167,9 @@ class Comparison:
     def text(self) -> str: ...
     def distances(self) -> tuple[_Points, _Points]: ...
     def write(self, folder: str | os.PathLike[str]) -> None: ...
+    def stored(self) -> bytes: ...
+    @staticmethod
+    def from_stored(bytes: bytes) -> Comparison: ...
 
 @final
 class Plan:
@@ -157,6 +181,9 @@ class Plan:
     def positions_mm(self) -> list[_Points | None]: ...
     def write(self, folder: str | os.PathLike[str]) -> None: ...
     def report(self, path: str | os.PathLike[str], most: int) -> None: ...
+    def stored(self) -> bytes: ...
+    @staticmethod
+    def from_stored(bytes: bytes) -> Plan: ...
 
 _Surface = Closed | str | os.PathLike[str] | tuple[_Given, _Given]
 
@@ -179,13 +206,26 @@ class Fit:
     def tuned(self) -> Closed | None: ...
     def report_json(self) -> str: ...
     def text(self) -> str: ...
+    def stored(self) -> bytes: ...
+    @staticmethod
+    def from_stored(bytes: bytes) -> Fit: ...
 
-def personalise(valve: Valve, closed_surface: _Surface, per_group: bool) -> Fit: ...
+def personalise(
+    valve: Valve, closed_surface: _Surface, per_group: bool, progress: _Progress | None
+) -> Fit: ...
 def plan_of_file(
-    valve: Valve, path: str | os.PathLike[str], keep_shapes: bool, max_alternatives: int
+    valve: Valve,
+    path: str | os.PathLike[str],
+    keep_shapes: bool,
+    max_alternatives: int,
+    progress: _Progress | None,
 ) -> Plan: ...
 def plan_of_dict(
-    valve: Valve, plan: dict[str, Value], keep_shapes: bool, max_alternatives: int
+    valve: Valve,
+    plan: dict[str, Value],
+    keep_shapes: bool,
+    max_alternatives: int,
+    progress: _Progress | None,
 ) -> Plan: ...
 
 @final
@@ -195,6 +235,19 @@ class Study:
     def text(self) -> str: ...
     def svg(self) -> str: ...
     def write(self, folder: str | os.PathLike[str]) -> None: ...
+    def stored(self) -> bytes: ...
+    @staticmethod
+    def from_stored(bytes: bytes) -> Study: ...
+
+@final
+class StudyOfLaws:
+    def csv(self) -> str: ...
+    def report_json(self) -> str: ...
+    def text(self) -> str: ...
+    def write(self, folder: str | os.PathLike[str]) -> None: ...
+    def stored(self) -> bytes: ...
+    @staticmethod
+    def from_stored(bytes: bytes) -> StudyOfLaws: ...
 
 def study(
     valves: Sequence[Valve],
@@ -202,5 +255,15 @@ def study(
     tolerances: Sequence[float] | None,
     thicknesses_mm: Sequence[float] | None,
     repeats: int | None,
+    progress: _Progress | None,
 ) -> Study | None: ...
+def study_laws(
+    valves: Sequence[Valve],
+    reference: Valve | None,
+    repeats: int | None,
+    progress: _Progress | None,
+) -> StudyOfLaws: ...
+def replay(
+    path: str | os.PathLike[str],
+) -> tuple[int, int, tuple[str, int, str, tuple[int, float] | None] | None, float, list[str], str]: ...
 def read_curve(path: str | os.PathLike[str]) -> tuple[_Points, bool, list[_Told]]: ...

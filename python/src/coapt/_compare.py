@@ -22,6 +22,10 @@ class Comparison(Result[_core.Comparison]):
     __slots__ = ()
     _MADE_BY = "comparing surfaces: coapt.compare()"
 
+    @classmethod
+    def _of_bytes(cls, stored: bytes) -> Comparison:
+        return cls._of(_core.Comparison.from_stored(stored))
+
     def __repr__(self) -> str:
         return f"<coapt.Comparison of {len(self.distance_mm)} points>"
 

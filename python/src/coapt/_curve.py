@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass, field
 
 import coapt._coapt as _core
-from coapt._arrays import FloatArray
+from coapt._arrays import FloatArray, read_only
 from coapt._errors import Fault, fault_of
 
 
@@ -27,6 +27,10 @@ class FileCurve:
     points_mm: FloatArray = field(repr=False)
     closed: bool
     warnings: tuple[Fault, ...]
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        read_only(self.points_mm)
 
 
 def read_curve(path: str | os.PathLike[str]) -> FileCurve:

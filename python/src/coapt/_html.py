@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def page(name: str, states: Sequence[tuple[str, Closed]], rows: Sequence[Row]) -> str:
     """A heading, how far each state is to be trusted, a row per measure, and what it is not for."""
-    from coapt._closed import NOTICE
+    from coapt._certificate import NOTICE
 
     trust = "".join(f"<p>{_trust(word, closed)}</p>" for word, closed in states)
     heads = [word for word, _ in states] + (["change"] if len(states) == 2 else [])

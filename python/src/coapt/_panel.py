@@ -10,7 +10,8 @@ import anywidget
 import numpy as np
 import traitlets
 
-from coapt._closed import NOTICE, Closed
+from coapt._certificate import NOTICE
+from coapt._closed import Closed
 from coapt._errors import Fault, InputError
 from coapt._repairs import Clip, Neochord, Repair, Ring
 from coapt._tables import Row

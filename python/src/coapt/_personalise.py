@@ -12,6 +12,7 @@ from coapt._compare import Surface
 from coapt._measures import made
 from coapt._optional import needed
 from coapt._plain import Json
+from coapt._progress import Progress
 from coapt._result import Frozen
 from coapt._valve import Valve
 
@@ -89,6 +90,10 @@ class FitResult(Frozen[_core.Fit]):
         result = super()._of(made)
         object.__setattr__(result, "_report", json.loads(made.report_json()))
         return result
+
+    @classmethod
+    def _of_bytes(cls, stored: bytes) -> FitResult:
+        return cls._of(_core.Fit.from_stored(stored))
 
     def __repr__(self) -> str:
         factors = ", ".join(f"{group.name} {group.scale:.3f}" for group in self.groups)
@@ -171,7 +176,13 @@ class FitResult(Frozen[_core.Fit]):
         return table
 
 
-def personalise(valve: Valve, closed_surface: Surface, *, per_group: bool = False) -> FitResult:
+def personalise(
+    valve: Valve,
+    closed_surface: Surface,
+    *,
+    per_group: bool = False,
+    progress: Progress | None = None,
+) -> FitResult:
     """Fits the lengths of the chordae so that the valve closes to an imaged shape, as ``coapt personalise``.
 
     Parameters
@@ -184,6 +195,9 @@ def personalise(valve: Valve, closed_surface: Surface, *, per_group: bool = Fals
         (.vtp, .vtk, .ply, .stl, .obj), or arrays as of :func:`coapt.compare`.
     per_group : bool
         One factor for each group of chordae instead of one for all.
+    progress : callable, optional
+        Called in this thread, some times in a second, with how many closures are done and of how many that are known of: the search
+        decides as it goes, so that these become more.
 
     Raises
     ------
@@ -191,6 +205,8 @@ def personalise(valve: Valve, closed_surface: Surface, *, per_group: bool = Fals
         A valve with repairs or without chordae; a surface that is none, or far from the valve.
     KeyboardInterrupt
         Within 0.2 s of Ctrl-C.
+    Exception
+        What ``progress`` raises; the work ends then.
     """
     given = closed_surface._native if isinstance(closed_surface, Closed) else closed_surface
-    return FitResult._of(_core.personalise(valve._native, given, per_group))
+    return FitResult._of(_core.personalise(valve._native, given, per_group, progress))

@@ -25,7 +25,7 @@ def picture(closed: Closed, color_by: str) -> matplotlib.figure.Figure:
         from matplotlib.collections import PolyCollection
         from matplotlib.figure import Figure
 
-    from coapt._closed import NOTICE
+    from coapt._certificate import NOTICE
 
     class Picture(Figure):
         """Notebooks show it by itself, also where nobody imported pyplot."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias, Union, cast, final
 import coapt._coapt as _core
 from coapt._arrays import FloatArray
 from coapt._plain import Json, Value, keys_of_repairs
+from coapt._progress import Progress
 from coapt._repairs import Repair
 from coapt._result import Result
 from coapt._valve import SCHEMA_VERSION, Valve
@@ -29,6 +30,10 @@ class PlanResult(Result[_core.Plan]):
 
     __slots__ = ()
     _MADE_BY = "comparing alternatives: coapt.plan()"
+
+    @classmethod
+    def _of_bytes(cls, stored: bytes) -> PlanResult:
+        return cls._of(_core.Plan.from_stored(stored))
 
     def __repr__(self) -> str:
         return f"<coapt.PlanResult of {len(self.alternatives)} alternatives>"
@@ -91,6 +96,7 @@ def plan(
     *,
     keep_shapes: bool = False,
     max_alternatives: int = 10_000,
+    progress: Progress | None = None,
 ) -> PlanResult:
     """Closes a valve as it is and after each alternative, each from the open valve unless the plan says ``warm``, and ranks the alternatives.
 
@@ -105,6 +111,9 @@ def plan(
         Whether closed shapes are kept: of thousands of large valves they fill the memory.
     max_alternatives : int
         Refuse plans of more alternatives, before any is made.
+    progress : callable, optional
+        Called in this thread, some times in a second, with how many closures are done and of how many: first of the alternatives and
+        the valve as it is, then, from 0 anew, of the samples of an ensemble. A search is not counted.
 
     Raises
     ------
@@ -112,6 +121,8 @@ def plan(
         A plan that cannot be read; alternatives that are wrong in themselves; none that can be carried out.
     KeyboardInterrupt
         Within 0.2 s of Ctrl-C.
+    Exception
+        What ``progress`` raises; the work ends then.
 
     Examples
     --------
@@ -122,10 +133,10 @@ def plan(
     2
     """
     if isinstance(alternatives, (str, os.PathLike)):
-        made = _core.plan_of_file(valve._native, alternatives, keep_shapes, max_alternatives)
+        made = _core.plan_of_file(valve._native, alternatives, keep_shapes, max_alternatives, progress)
     else:
         keys = _keys(alternatives)
-        made = _core.plan_of_dict(valve._native, keys, keep_shapes, max_alternatives)
+        made = _core.plan_of_dict(valve._native, keys, keep_shapes, max_alternatives, progress)
     return PlanResult._of(made)
 
 

@@ -13,13 +13,17 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-class _Reporting(Protocol):
+class _Storing(Protocol):
+    def stored(self) -> bytes: ...
+
+
+class _Reporting(_Storing, Protocol):
     def report_json(self) -> str: ...
     def text(self) -> str: ...
     def write(self, folder: str | os.PathLike[str]) -> None: ...
 
 
-Made = TypeVar("Made")
+Made = TypeVar("Made", bound=_Storing)
 Native = TypeVar("Native", bound=_Reporting)
 
 
@@ -41,8 +45,19 @@ class Frozen(Generic[Made]):
         object.__setattr__(result, "_native", made)
         return result
 
+    @classmethod
+    def _of_bytes(cls, stored: bytes) -> Self:
+        """A pickled result."""
+        raise NotImplementedError
+
+    def __reduce__(self) -> tuple[object, tuple[bytes]]:
+        return self._of_bytes, (self._native.stored(),)
+
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a result does not change; cannot set {name!r}")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a result does not change; cannot delete {name!r}")
 
 
 class Result(Frozen[Native]):

@@ -80,7 +80,7 @@ def closed_valve(closed: Closed) -> tuple[ModelNode, ModelNode | None]:
 
 
 def _notice() -> str:
-    from coapt._closed import NOTICE
+    from coapt._certificate import NOTICE
 
     return NOTICE
 
@@ -94,6 +94,8 @@ def _scene() -> Any:
             "write(folder), which Slicer opens"
         )
         raise ImportError(message, name="slicer") from error
+    # Before anything is made of it.
+    _support("to_slicer()")
     return slicer.mrmlScene
 
 
@@ -246,9 +248,9 @@ def curve_points(name: str, node: MarkupsNode) -> FloatArray:
     return points_mm[:-1] if len(points_mm) > 1 and np.array_equal(points_mm[0], points_mm[-1]) else points_mm
 
 
-def _support() -> Any:
-    """VTK's conversions, which have no types."""
-    with needed("vtk", "from_slicer()", "vtkmodules"):
+def _support(what: str = "from_slicer()") -> Any:
+    """VTK's conversions, which have no types; without VTK it is told what needs it."""
+    with needed("vtk", what, "vtkmodules"):
         from vtkmodules.util import numpy_support
 
     return numpy_support

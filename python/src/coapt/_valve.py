@@ -13,6 +13,7 @@ from coapt._errors import Fault, fault_of
 from coapt._optional import needed
 from coapt._parts import CHORD_KEYS, ChordGroup, Leaflet, PapillaryMuscle, keys_of
 from coapt._plain import Json, PlainData, Value, keys_of_repairs
+from coapt._progress import Progress
 from coapt._repairs import Repair
 from coapt._settings import Contact, Landmarks, Settings, Weld
 from coapt._tissue import Tissue
@@ -473,14 +474,23 @@ def _plain(value: Value | Tissue) -> Value:
     return value.to_dict() if isinstance(value, PlainData) else value
 
 
-def close_many(valves: Iterable[Valve]) -> list[Closed]:
+def close_many(valves: Iterable[Valve], *, progress: Progress | None = None) -> list[Closed]:
     """Closes many valves side by side, on as many threads as there are; the results are those of :meth:`Valve.close`.
+
+    Parameters
+    ----------
+    valves : iterable of Valve
+        Each with its own pressure and settings.
+    progress : callable, optional
+        Called in this thread, some times in a second, with how many valves are closed and of how many.
 
     Raises
     ------
     KeyboardInterrupt
         Within 0.2 s of Ctrl-C.
+    Exception
+        What ``progress`` raises; the work ends then.
     """
     from coapt._closed import Closed
 
-    return [Closed._of(made) for made in _core.close_many([valve._native for valve in valves])]
+    return [Closed._of(made) for made in _core.close_many([valve._native for valve in valves], progress)]

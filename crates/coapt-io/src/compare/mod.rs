@@ -10,11 +10,12 @@ mod read;
 mod tests;
 mod text;
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use coapt::measure::compare::{CompareSettings, Comparison, ErrorMap, compare};
 use coapt::scene::{Fault, Space};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::atomic::{Batch, make_folder};
 use crate::mesh::{Array, PolyData, stage_vtp};
@@ -28,14 +29,14 @@ pub use text::text;
 pub const COMPARISON_SCHEMA: &str = "coapt-comparison/1";
 
 /// A comparison and what it is of. Units are in the names; see [`Comparison`] for the definitions.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ComparisonReport {
     /// [`COMPARISON_SCHEMA`].
-    pub schema: &'static str,
+    pub schema: Cow<'static, str>,
     /// Version of the program.
-    pub version: &'static str,
+    pub version: Cow<'static, str>,
     /// [`NOTICE`].
-    pub notice: &'static str,
+    pub notice: Cow<'static, str>,
     /// Where the result was read from.
     pub result_file: FileOf,
     /// Where the reference was read from.
@@ -52,7 +53,7 @@ pub struct ComparisonReport {
 }
 
 /// A file and the frame that it was in.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FileOf {
     /// As given, with the file in a folder.
     pub path: String,
@@ -79,9 +80,9 @@ impl ComparisonReport {
             space: read.mesh.space,
         };
         Ok(Self {
-            schema: COMPARISON_SCHEMA,
-            version: env!("CARGO_PKG_VERSION"),
-            notice: NOTICE,
+            schema: COMPARISON_SCHEMA.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            notice: NOTICE.into(),
             result_file: file_of(result),
             reference_file: file_of(reference),
             contact_array: contact_array.to_owned(),
@@ -102,19 +103,19 @@ impl ComparisonReport {
     }
 }
 
-/// Writes the report and the error map into a folder, which is made if need be; files of the same names are replaced.
+/// Writes the report and the error map, on the mesh of the result, into a folder, which is made if need be; files of the same names are replaced.
 /// The same surfaces give the same bytes.
 ///
 /// # Errors
 /// What the file system says.
-pub fn write_comparison(folder: &Path, result: &ReadSurface, report: &ComparisonReport) -> Result<(), Fault> {
+pub fn write_comparison(folder: &Path, result: &PolyData, report: &ComparisonReport) -> Result<(), Fault> {
     make_folder(folder)?;
     let mut batch = Batch::default();
     batch.write(&folder.join("comparison.json"), report.json()?.as_bytes())?;
     stage_vtp(
         &mut batch,
         &folder.join("error.vtp"),
-        &error_map(&result.mesh, &report.comparison.map),
+        &error_map(result, &report.comparison.map),
     )?;
     batch.finish_listed(folder)
 }

@@ -61,7 +61,7 @@ fn the_error_map_is_written() {
     let (result, report) = report_of(&folder, |_| {});
     let bytes = || {
         let out = folder.0.join("out");
-        write_comparison(&out, &result, &report).unwrap();
+        write_comparison(&out, &result.mesh, &report).unwrap();
         ["comparison.json", "error.vtp"].map(|name| std::fs::read(out.join(name)).unwrap())
     };
     assert_eq!(bytes(), bytes());

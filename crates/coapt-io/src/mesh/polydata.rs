@@ -1,9 +1,10 @@
 //! The one type that every mesh file is read into and written from.
 
 use coapt::scene::Space;
+use serde::{Deserialize, Serialize};
 
 /// Points, triangles and line segments with what is known of them.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PolyData {
     /// Points [mm], shape `[point]`, always in LPS.
     pub points: Vec<[f64; 3]>,
@@ -26,7 +27,7 @@ pub struct PolyData {
 }
 
 /// Named values, several for each point or cell.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Array {
     /// Name in the file.
     pub name: String,

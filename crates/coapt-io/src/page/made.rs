@@ -2,7 +2,7 @@
 
 use coapt::Vec3;
 use coapt::model::Model;
-use coapt::plan::{Comparison, apply_all};
+use coapt::plan::apply_all;
 use coapt::scene::Fault;
 use serde_json::Value;
 
@@ -10,9 +10,8 @@ use super::Page;
 use super::geometry::{Chords, Geometry, curve};
 use super::told::{closure_page, plan_page};
 use crate::mesh::check_numbers;
-use crate::plan::PlanReport;
+use crate::plan::{PlanReport, Shapes};
 use crate::report::{Closure, Report, chords, closed_surface, loaded_chords, ring_curves};
-use crate::scene::Alternatives;
 
 /// The page of a closure and its report.
 ///
@@ -41,11 +40,10 @@ pub fn page_of_closure(closure: &Closure, report: &Report) -> Result<Page, Vec<F
 pub fn page_of_plan(
     report: &PlanReport,
     model: &Model,
-    plan: &Alternatives,
-    comparison: &Comparison,
+    shapes: &Shapes,
     most_alternatives: usize,
 ) -> Result<Page, Vec<Fault>> {
-    if comparison.before.positions_mm.is_empty() {
+    if shapes.before_mm.is_empty() {
         let message = "holds no closed shapes, which a page shows; expected a comparison that keeps them";
         return Err(vec![Fault::error("plan", message)]);
     }
@@ -56,16 +54,14 @@ pub fn page_of_plan(
         |number, name| {
             let named = |message: String| vec![Fault::error(name, message)];
             if number == 0 {
-                return geometry_of(model, &comparison.before.positions_mm, false).map_err(named);
+                return geometry_of(model, &shapes.before_mm, false).map_err(named);
             }
-            let of_number = |row: &&coapt::plan::Row| row.alternative as u64 + 1 == number;
-            let row = comparison.rows.iter().find(of_number);
-            let closed = row.and_then(|row| Some((row, row.result.as_ref().ok()?)));
-            let (row, outcome) = closed.ok_or_else(|| named("has no closed shape".to_owned()))?;
+            let row = report.alternatives.iter().find(|row| row.number as u64 == number);
+            let closed = row.and_then(|row| Some((row, shapes.after_mm.get(&row.number)?)));
+            let (row, positions_mm) = closed.ok_or_else(|| named("has no closed shape".to_owned()))?;
             // Models of thousands of alternatives were not kept.
-            let repairs = &plan.alternatives[row.alternative].repairs;
-            let applied = apply_all(model, repairs).map_err(|refusal| refusal.faults)?;
-            let mut geometry = geometry_of(&applied.model, &outcome.positions_mm, false).map_err(named)?;
+            let applied = apply_all(model, &row.repairs).map_err(|refusal| refusal.faults)?;
+            let mut geometry = geometry_of(&applied.model, positions_mm, false).map_err(named)?;
             // There is one at most.
             geometry.rings = ring_curves(&applied.reports).iter().map(curve).collect();
             Ok(geometry)

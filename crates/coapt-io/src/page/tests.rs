@@ -10,7 +10,7 @@ use coapt::search::Tried;
 use super::*;
 use crate::plan::tests::{compared_with, report as plan_report};
 use crate::plan::text::{LIKELY, OPEN};
-use crate::plan::{PlanReport, Sampled, SearchReport, below, rates_of, write_plan};
+use crate::plan::{PlanReport, Sampled, SearchReport, Shapes, below, rates_of, write_plan};
 use crate::report::tests::closure_of;
 use crate::report::{Closure, Report, write_results};
 
@@ -203,8 +203,7 @@ fn plan_page(folder: &Path, change: impl Fn(&mut Comparison)) -> (PlanReport, St
         folder,
         &report,
         &compared.model,
-        &compared.plan,
-        &compared.comparison,
+        &Shapes::from(compared.comparison),
     )
     .unwrap();
     let html = page_html(&read_page(folder, 30).unwrap()).unwrap();

@@ -1,5 +1,6 @@
 //! A comparison as files.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use coapt::Vec3;
@@ -12,7 +13,28 @@ use super::{PlanReport, csv, long_csv, units_csv};
 use crate::atomic::{Batch, make_folder};
 use crate::mesh::stage_vtp;
 use crate::report::{ring_curves, stage_closed_chords, stage_closed_surface};
-use crate::scene::Alternatives;
+
+/// Where the vertices of a comparison's closed valves came to rest [mm], shape `[vertex]` each; empty where they were not kept.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shapes {
+    /// Without any repair.
+    pub before_mm: Vec<Vec3>,
+    /// After the alternatives that were closed, by their numbers in the order of the plan, from 1.
+    pub after_mm: BTreeMap<usize, Vec<Vec3>>,
+}
+
+impl From<Comparison> for Shapes {
+    fn from(comparison: Comparison) -> Self {
+        let closed = comparison.rows.into_iter().filter_map(|row| {
+            let outcome = row.result.ok()?;
+            Some((row.alternative + 1, outcome.positions_mm))
+        });
+        Self {
+            before_mm: comparison.before.positions_mm,
+            after_mm: closed.collect(),
+        }
+    }
+}
 
 /// Folder of the closed shapes.
 const SHAPES: &str = "shapes";
@@ -22,13 +44,7 @@ const SHAPES: &str = "shapes";
 ///
 /// # Errors
 /// What the file system says.
-pub fn write_plan(
-    folder: &Path,
-    report: &PlanReport,
-    model: &Model,
-    plan: &Alternatives,
-    comparison: &Comparison,
-) -> Result<(), Fault> {
+pub fn write_plan(folder: &Path, report: &PlanReport, model: &Model, shapes: &Shapes) -> Result<(), Fault> {
     make_folder(folder)?;
     let mut batch = Batch::default();
     for (name, text) in [
@@ -39,7 +55,7 @@ pub fn write_plan(
     ] {
         batch.write(&folder.join(name), text.as_bytes())?;
     }
-    let written = stage_shapes(&mut batch, folder, model, plan, comparison)?;
+    let written = stage_shapes(&mut batch, folder, report, model, shapes)?;
     for old in shapes_in(&folder.join(SHAPES)) {
         if !written.contains(&old) {
             batch.remove(old);
@@ -59,9 +75,9 @@ pub fn prepare_shapes(folder: &Path) -> Result<(), Fault> {
 fn stage_shapes(
     batch: &mut Batch,
     folder: &Path,
+    report: &PlanReport,
     model: &Model,
-    plan: &Alternatives,
-    comparison: &Comparison,
+    shapes: &Shapes,
 ) -> Result<Vec<PathBuf>, Fault> {
     let mut written = Vec::new();
     let mut stage = |number: usize, name: &str, model: &Model, positions_mm: &[Vec3], reports: &[Report]| {
@@ -85,17 +101,17 @@ fn stage_shapes(
         }
         Ok(())
     };
-    stage(0, "before", model, &comparison.before.positions_mm, &[])?;
-    for row in &comparison.rows {
-        let alternative = &plan.alternatives[row.alternative];
-        let Ok(outcome) = &row.result else { continue };
+    stage(0, "before", model, &shapes.before_mm, &[])?;
+    for row in &report.alternatives {
+        let kept = shapes.after_mm.get(&row.number);
+        let Some(positions_mm) = kept.filter(|kept| !kept.is_empty()) else {
+            continue;
+        };
         // Models of thousands of alternatives were not kept; to make one is nothing beside writing its shape.
-        if let Ok(applied) = apply_all(model, &alternative.repairs) {
-            let name = &alternative.name;
-            let positions_mm = &outcome.positions_mm;
+        if let Ok(applied) = apply_all(model, &row.repairs) {
             stage(
-                row.alternative + 1,
-                name,
+                row.number,
+                &row.name,
                 &applied.model,
                 positions_mm,
                 &applied.reports,

@@ -16,6 +16,7 @@ pub(crate) mod search;
 mod table;
 pub(crate) mod text;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use coapt::Vec3;
@@ -30,7 +31,7 @@ use crate::report::{MeshSize, NOTICE};
 use crate::scene::{Alternatives, locate, sentence};
 
 pub use carry_out::{OnStage, Stage, carry_out, filmed};
-pub use files::{prepare_shapes, write_plan};
+pub use files::{Shapes, prepare_shapes, write_plan};
 pub use long::{long_csv, units_csv};
 pub use more::{Open, Rate, RatesFound, Sampled, Sensitivities, rates_of};
 pub use search::{SearchReport, found, measured};
@@ -41,14 +42,14 @@ pub use text::text;
 pub const PLAN_SCHEMA: &str = "coapt-plan/1";
 
 /// Everything that is told of a comparison. Units are in the names.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanReport {
     /// [`PLAN_SCHEMA`].
-    pub schema: &'static str,
+    pub schema: Cow<'static, str>,
     /// Version of the program.
-    pub version: &'static str,
+    pub version: Cow<'static, str>,
     /// [`NOTICE`].
-    pub notice: &'static str,
+    pub notice: Cow<'static, str>,
     /// Name of the case.
     pub case: String,
     /// Name of the plan; empty where it has none.
@@ -82,18 +83,18 @@ pub struct PlanReport {
 }
 
 /// A published limit of the anatomy for some repair.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AnatomicLimit {
     /// For which repair it was published.
-    pub repair: &'static str,
+    pub repair: Cow<'static, str>,
     /// Path of the measure in `before`.
-    pub measure: &'static str,
+    pub measure: Cow<'static, str>,
     /// Its value there.
     pub value: f64,
     /// The least that was asked for, in the unit of the measure.
     pub at_least: f64,
     /// Where.
-    pub source: &'static str,
+    pub source: Cow<'static, str>,
 }
 
 /// The limits whose measures mean what ours do: coaptation length at A2-P2. Not among them: coaptation depth, flail gap and width,
@@ -104,27 +105,27 @@ fn anatomic_limits(plan: &Alternatives, before: &Outcome) -> Vec<AnatomicLimit> 
         return Vec::new();
     }
     vec![AnatomicLimit {
-        repair: "edge-to-edge",
-        measure: "coaptation.length_a2p2_mm",
+        repair: "edge-to-edge".into(),
+        measure: "coaptation.length_a2p2_mm".into(),
         value: before.measures.coaptation.length_a2p2_mm,
         at_least: 2.0,
-        source: "EACVI",
+        source: "EACVI".into(),
     }]
 }
 
 /// A criterion and how fine it tells.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ranking {
     /// Which one.
     pub criterion: Criterion,
     /// Values are compared in bins so wide, in `unit`.
     pub bin: f64,
     /// Unit of the bin: that of the value, or `halvings`.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
 }
 
 /// One alternative.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Its place; shared by those that no criterion tells apart; absent without a certificate, nor where it is no repair.
     pub rank: Option<usize>,
@@ -222,9 +223,9 @@ impl PlanReport {
         let rows = comparison.rows.iter().map(|row| self::row(row, plan, &mut lines));
         let criteria = plan.ranked_by();
         Self {
-            schema: PLAN_SCHEMA,
-            version: env!("CARGO_PKG_VERSION"),
-            notice: NOTICE,
+            schema: PLAN_SCHEMA.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            notice: NOTICE.into(),
             case: model.name.clone(),
             plan: plan.name.clone(),
             pressure_mmhg: model.pressure_mpa / MMHG_MPA,
@@ -278,7 +279,11 @@ fn closed_frame(model: &Model) -> Option<ValveFrame> {
 
 fn ranking(criterion: Criterion) -> Ranking {
     let (bin, unit) = criterion.bin_width();
-    Ranking { criterion, bin, unit }
+    Ranking {
+        criterion,
+        bin,
+        unit: unit.into(),
+    }
 }
 
 fn row(row: &coapt::plan::Row, plan: &Alternatives, lines: &mut Lines) -> Row {

@@ -75,18 +75,19 @@ fn spoilt() -> PlanReport {
 /// A comparison in memory makes the page that its files make, of all alternatives or of the first; without shapes it makes none.
 #[test]
 fn memory_and_files_make_the_same_page() {
-    let mut of = compared();
+    let of = compared();
     let report = report(&of);
+    let mut shapes = Shapes::from(of.comparison);
     let folder = std::env::temp_dir().join(format!("coapt-plan-page-{}", std::process::id()));
-    write_plan(&folder, &report, &of.model, &of.plan, &of.comparison).unwrap();
+    write_plan(&folder, &report, &of.model, &shapes).unwrap();
     for most in [30, 1] {
-        let page = page_of_plan(&report, &of.model, &of.plan, &of.comparison, most).unwrap();
+        let page = page_of_plan(&report, &of.model, &shapes, most).unwrap();
         assert_eq!(page.states.len(), 1 + most.min(2));
         assert_eq!(page, read_page(&folder, most).unwrap());
     }
     std::fs::remove_dir_all(&folder).unwrap();
-    of.comparison.before.positions_mm.clear();
-    let faults = page_of_plan(&report, &of.model, &of.plan, &of.comparison, 30).unwrap_err();
+    shapes.before_mm.clear();
+    let faults = page_of_plan(&report, &of.model, &shapes, 30).unwrap_err();
     assert!(faults[0].message.contains("holds no closed shapes"), "{faults:?}");
 }
 
@@ -283,7 +284,13 @@ fn files_replace_those_of_an_earlier_comparison_and_nothing_else() {
     let compared = compared();
     let report = report(&compared);
     let write = |comparison: &Comparison| {
-        write_plan(&folder, &report, &compared.model, &compared.plan, comparison).unwrap();
+        write_plan(
+            &folder,
+            &report,
+            &compared.model,
+            &Shapes::from(comparison.clone()),
+        )
+        .unwrap();
         let mut names: Vec<String> = std::fs::read_dir(folder.join("shapes"))
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())

@@ -24,6 +24,39 @@ pub struct Replay {
     pub farthest_mm: f64,
 }
 
+impl Replay {
+    /// For people: one line where all agrees, else two.
+    pub fn text(&self) -> String {
+        let Self {
+            frames,
+            different,
+            first,
+            farthest_mm,
+        } = self;
+        match first {
+            None => format!("agrees: {frames} frames, each the same to the last bit\n"),
+            Some(first) => format!(
+                "DIFFERS: {different} of {frames} frames, vertices up to {farthest_mm:.3e} mm apart\nfirst: {}\n",
+                sentence(first)
+            ),
+        }
+    }
+}
+
+/// `frame 12 of /valve lies elsewhere: vertex 7 by 1.5e-9 mm`
+fn sentence(first: &Difference) -> String {
+    let Difference {
+        topic,
+        frame,
+        what,
+        vertex,
+    } = first;
+    let at = vertex.map_or(String::new(), |(vertex, gap_mm)| {
+        format!(": vertex {vertex} by {gap_mm:.3e} mm")
+    });
+    format!("frame {frame} of {topic} {what}{at}")
+}
+
 /// The first frame that does not come out the same.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {

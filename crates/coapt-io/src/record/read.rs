@@ -39,6 +39,25 @@ pub struct Recording {
     pub repairs: Vec<Repair>,
 }
 
+impl Recording {
+    /// What makes it likely that it does not come out the same, in a sentence each.
+    pub fn doubts(&self) -> Vec<String> {
+        let fact = |key: &str| self.facts.get(key).map_or("", String::as_str);
+        let version = env!("CARGO_PKG_VERSION");
+        let other = (fact("version") != version)
+            .then(|| format!("recorded by version {}, made again by {version}", fact("version")));
+        let cut = self.cut.then(|| {
+            let films = self.films.iter();
+            let frames: Vec<String> = films
+                .map(|film| format!("{} of {}", film.frames.len(), film.topic))
+                .collect();
+            let (frames, all) = (frames.join(", "), fact("frames"));
+            format!("the recording is cut off; of {all} frames to each film there are {frames}")
+        });
+        other.into_iter().chain(cut).collect()
+    }
+}
+
 /// A film.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedFilm {

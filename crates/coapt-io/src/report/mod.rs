@@ -96,7 +96,7 @@ pub struct Report {
 }
 
 /// Size of the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MeshSize {
     /// Vertices: leaflets, chord nodes, papillary tips.
     pub vertices: usize,

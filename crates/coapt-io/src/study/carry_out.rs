@@ -46,6 +46,9 @@ impl Default for Tried {
     }
 }
 
+/// What [`Close`] is told of the reference.
+pub const REFERENCE: &str = "the reference";
+
 /// Closes a valve from its open state and takes the time [ms]; the first part is what an interruption calls it. It is the caller
 /// who has a clock.
 pub type Close<'a> = &'a dyn Fn(&str, &Model) -> (Equilibrium, f64);
@@ -59,9 +62,7 @@ pub fn carry_out(
     close: Close,
     say: &dyn Fn(&str),
 ) -> Option<Study> {
-    let mut models = models.to_vec();
-    // Sizes aimed at are met roughly: two of them may be one mesh.
-    models.dedup_by_key(|model| model.faces.len());
+    let models = meshes(models);
     let (reference, exact) = reference(finest, close, say)?;
     let closures: Vec<Closure> = settings(tried, &models)
         .map(|setting| closure(setting, tried.repeats, close, say))
@@ -84,16 +85,28 @@ pub fn carry_out(
         .collect();
     mark(&mut rows);
     Some(Study {
-        schema: STUDY_SCHEMA,
-        version: env!("CARGO_PKG_VERSION"),
-        notice: NOTICE,
-        error: ERROR_MEANS,
-        knee: KNEE_MEANS,
+        schema: STUDY_SCHEMA.into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        notice: NOTICE.into(),
+        error: ERROR_MEANS.into(),
+        knee: KNEE_MEANS.into(),
         case: finest.name.clone(),
         repeats: tried.repeats,
         reference,
         rows,
     })
+}
+
+/// How many closures [`carry_out`] makes of these, repeats among them, beside the few of the reference.
+pub fn closure_count(models: &[Model], tried: &Tried) -> usize {
+    settings(tried, &meshes(models)).count() * usize::from(tried.repeats.max(1))
+}
+
+/// Sizes aimed at are met roughly: two of them may be one mesh.
+fn meshes(models: &[Model]) -> Vec<Model> {
+    let mut models = models.to_vec();
+    models.dedup_by_key(|model| model.faces.len());
+    models
 }
 
 /// The closure of the finest mesh to the tightest residual at which it is certified.
@@ -104,7 +117,7 @@ fn reference(finest: &Model, close: Close, say: &dyn Fn(&str)) -> Option<(Refere
             "reference: {faces} triangles, residual {residual_tolerance:e} ..."
         ));
         let model = with(finest, residual_tolerance, finest.contact.thickness_mm);
-        let (exact, _) = close("the reference", &model);
+        let (exact, _) = close(REFERENCE, &model);
         let reference = Reference {
             faces,
             residual_tolerance,

@@ -1,12 +1,13 @@
 //! A study of tissue laws: one valve, one tissue told in each law; what a closure costs and how far it is off.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 use std::path::Path;
 
 use coapt::measure::VisibleDistance;
 use coapt::relax::Status;
 use coapt::scene::{Fault, Tissue, Wrinkling};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::json;
 use super::table::{short, status_name};
@@ -25,18 +26,18 @@ pub const MODEL_ERROR_MEANS: &str = "distance to the closure of the same mesh un
                                      from the atrium";
 
 /// All closures of a study of laws.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LawStudy {
     /// [`LAWS_SCHEMA`].
-    pub schema: &'static str,
+    pub schema: Cow<'static, str>,
     /// Version of the program.
-    pub version: &'static str,
+    pub version: Cow<'static, str>,
     /// [`crate::report::NOTICE`].
-    pub notice: &'static str,
+    pub notice: Cow<'static, str>,
     /// [`ERROR_OF_LAWS_MEANS`].
-    pub mesh_error: &'static str,
+    pub mesh_error: Cow<'static, str>,
     /// [`MODEL_ERROR_MEANS`].
-    pub model_error: &'static str,
+    pub model_error: Cow<'static, str>,
     /// Name of the case.
     pub case: String,
     /// Closures under each law; times are their medians.
@@ -50,7 +51,7 @@ pub struct LawStudy {
 }
 
 /// One closure under one law.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LawRow {
     /// Triangles.
     pub faces: usize,
@@ -231,11 +232,11 @@ mod tests {
             ..row(membrane)
         };
         LawStudy {
-            schema: LAWS_SCHEMA,
-            version: "0",
-            notice: NOTICE,
-            mesh_error: ERROR_OF_LAWS_MEANS,
-            model_error: MODEL_ERROR_MEANS,
+            schema: LAWS_SCHEMA.into(),
+            version: "0".into(),
+            notice: NOTICE.into(),
+            mesh_error: ERROR_OF_LAWS_MEANS.into(),
+            model_error: MODEL_ERROR_MEANS.into(),
             case: "valve".into(),
             repeats: 3,
             reference_faces: Some(2600),

@@ -9,23 +9,27 @@
 
 mod axis;
 mod carry_out;
+mod carry_out_laws;
 mod front;
 mod laws;
 mod plot;
 mod table;
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use coapt::measure::VisibleDistance;
 use coapt::relax::Status;
 use coapt::scene::Fault;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::atomic::{file_fault, write_files};
 
 pub use carry_out::{
-    Close, FACES, REFERENCE_FINER, REPEATS, THICKNESSES_MM, TOLERANCES, Tried, carry_out, median_time,
+    Close, FACES, REFERENCE, REFERENCE_FINER, REPEATS, THICKNESSES_MM, TOLERANCES, Tried, carry_out,
+    closure_count, median_time,
 };
+pub use carry_out_laws::{Laws, MeshOfLaws, carry_out_laws};
 pub use front::{front, knee, mark};
 pub use laws::{
     ERROR_OF_LAWS_MEANS, LAWS_SCHEMA, LawRow, LawStudy, MODEL_ERROR_MEANS, csv as csv_of_laws,
@@ -46,18 +50,18 @@ pub const KNEE_MEANS: &str = "of the closures that none beats in both time and e
                               straight line from the fastest to the most exact, in decades of time and error";
 
 /// All closures of a study.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Study {
     /// [`STUDY_SCHEMA`].
-    pub schema: &'static str,
+    pub schema: Cow<'static, str>,
     /// Version of the program.
-    pub version: &'static str,
+    pub version: Cow<'static, str>,
     /// [`crate::report::NOTICE`].
-    pub notice: &'static str,
+    pub notice: Cow<'static, str>,
     /// [`ERROR_MEANS`].
-    pub error: &'static str,
+    pub error: Cow<'static, str>,
     /// [`KNEE_MEANS`].
-    pub knee: &'static str,
+    pub knee: Cow<'static, str>,
     /// Name of the case.
     pub case: String,
     /// Closures of each setting; times are their medians.
@@ -69,7 +73,7 @@ pub struct Study {
 }
 
 /// The closure that errors are measured against.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
     /// Triangles.
     pub faces: usize,
@@ -82,7 +86,7 @@ pub struct Reference {
 }
 
 /// What a closure differs in from the default one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Factor {
     /// Size of the mesh and residual tolerance.
@@ -102,7 +106,7 @@ impl Factor {
 }
 
 /// One closure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Why it is in the study.
     pub varied: Factor,

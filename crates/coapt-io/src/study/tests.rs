@@ -52,11 +52,11 @@ fn study() -> Study {
     ];
     mark(&mut rows);
     Study {
-        schema: STUDY_SCHEMA,
-        version: "0",
-        notice: NOTICE,
-        error: ERROR_MEANS,
-        knee: KNEE_MEANS,
+        schema: STUDY_SCHEMA.into(),
+        version: "0".into(),
+        notice: NOTICE.into(),
+        error: ERROR_MEANS.into(),
+        knee: KNEE_MEANS.into(),
         case: "a <b> & c".into(),
         repeats: 3,
         reference: Reference {

@@ -1,9 +1,9 @@
 //! Statistics of distances, and the two percentiles: of values, and of values with their areas.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Statistics of distances [mm].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DistanceStatistics {
     /// How many distances.
     pub count: usize,

@@ -4,7 +4,7 @@
 //! and there two equally good solutions differ most: pressure is the same on both sides of a coapted strip, so that
 //! hardly anything decides where it hangs. An error over the whole surface would measure that strip.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::atrial_view::view_of;
 use super::distance::triangle_area;
@@ -21,7 +21,7 @@ use crate::model::Model;
 /// distance to the nearest point of the other's whole surface is taken, to its surface because vertices of two meshes
 /// do not correspond, and to the whole of it so that tissue just at the border of what is visible still finds its own
 /// like. Both ways together, each point weighing as much as its area.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct VisibleDistance {
     /// Root mean square [mm].
     pub rms_mm: f64,

@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::misfit::{Misfit, misfit};
-use super::{Target, Trial, Tried, Watch};
+use super::{FitWatch, Progress, Target, Trial, Tried};
 use crate::model::Model;
-use crate::relax::{Equilibrium, Status, relax_watched};
+use crate::relax::{Equilibrium, Moment, Status, relax_watched};
 use crate::state::State;
 
 /// A closure that converged.
@@ -23,7 +23,7 @@ pub(super) struct Closed {
 pub(super) struct Closures<'a> {
     pub(super) model: &'a Model,
     target: &'a Target,
-    watch: Watch<'a>,
+    watch: FitWatch<'a>,
     /// The watcher has said stop: no closure is made any more.
     pub(super) interrupted: bool,
     /// Those that converged.
@@ -33,7 +33,7 @@ pub(super) struct Closures<'a> {
 }
 
 impl<'a> Closures<'a> {
-    pub(super) fn new(model: &'a Model, target: &'a Target, watch: Watch<'a>) -> Self {
+    pub(super) fn new(model: &'a Model, target: &'a Target, watch: FitWatch<'a>) -> Self {
         Self {
             model,
             target,
@@ -52,8 +52,12 @@ impl<'a> Closures<'a> {
         }
         let open = State::open(self.model);
         let start = from.unwrap_or(&open);
+        let look = |moment: &Moment| (self.watch)(&Progress::Iterated(moment));
+        // Iterations alone are asked whether to stop.
+        let _ = (self.watch)(&Progress::Begun(scales.len()));
         let close = |scale: Vec<f64>| {
-            let equilibrium = relax_watched(&scaled(self.model, &scale), start, self.watch);
+            let equilibrium = relax_watched(&scaled(self.model, &scale), start, look);
+            let _ = (self.watch)(&Progress::Closed);
             let misfit = misfit(
                 self.model,
                 &equilibrium.state.positions_mm,

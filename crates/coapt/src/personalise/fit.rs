@@ -3,7 +3,7 @@
 use super::closures::{Closed, Closures};
 use super::parameters::Parameters;
 use super::regression::{Regression, regress};
-use super::{ChordFit, FitSettings, FitStatus, GroupScale, Target, Watch};
+use super::{ChordFit, FitSettings, FitStatus, FitWatch, GroupScale, Target};
 use crate::model::{ChordGroup, ChordKind, Model};
 
 /// Distance between the factors of the scan [1]: half the reach over which distances of all presets are linear in the factor
@@ -34,7 +34,7 @@ const WIDEST_IDENTIFIED: f64 = 0.1;
 const AT_BOUND: f64 = 1e-3;
 
 /// Fits a valve that has chordae to a target that has points.
-pub(super) fn fit(model: &Model, target: &Target, settings: &FitSettings, watch: Watch) -> ChordFit {
+pub(super) fn fit(model: &Model, target: &Target, settings: &FitSettings, watch: FitWatch) -> ChordFit {
     let mut closures = Closures::new(model, target, watch);
     let (untuned, best) = scan(&mut closures, settings);
     let found = best.and_then(|best| refine(&mut closures, best, settings));

@@ -1,6 +1,6 @@
 //! How far a closed valve lies from the points of a target.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::Vec3;
 use crate::measure::atrial_view::{AtrialView, view_of};
@@ -9,7 +9,7 @@ use crate::measure::side::signed;
 use crate::model::Model;
 
 /// Distances from the points of a target to the nearest place of a closed valve's surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TargetDistance {
     /// Points.
     pub points: usize,

@@ -33,7 +33,7 @@ mod regression;
 
 use std::ops::ControlFlow;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::Vec3;
 use crate::model::{ChordKind, Model};
@@ -95,7 +95,7 @@ pub struct ChordFit {
 }
 
 /// How a fit ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FitStatus {
     /// The best factors lie within their range.
@@ -111,7 +111,7 @@ pub enum FitStatus {
 }
 
 /// The factor of one chord group.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GroupScale {
     /// Name of the group.
     pub name: String,
@@ -147,7 +147,7 @@ impl Tried {
 }
 
 /// One closure of the search.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// Factors, shape `[chord group]`; one for sutures and neochordae.
     pub scale: Vec<f64>,
@@ -165,6 +165,20 @@ pub const FEWEST_POINTS: usize = 20;
 /// Looks on at closures that run side by side; as in [`crate::relax::relax_watched`].
 pub type Watch<'a> = &'a (dyn Fn(&Moment) -> ControlFlow<()> + Sync);
 
+/// What a watcher of a fit is shown.
+#[derive(Clone, Copy, Debug)]
+pub enum Progress<'a> {
+    /// So many closures more begin side by side. How many there will be in all, the search finds out as it goes.
+    Begun(usize),
+    /// A closure made an iteration.
+    Iterated(&'a Moment<'a>),
+    /// A closure came to its end.
+    Closed,
+}
+
+/// Looks on at a fit, and stops it by answering `Break`.
+pub type FitWatch<'a> = &'a (dyn Fn(&Progress) -> ControlFlow<()> + Sync);
+
 /// Fits the rest lengths of the chordae so that the valve closes to the target.
 ///
 /// # Errors
@@ -177,7 +191,7 @@ pub fn fit_chord_lengths(
     fit_chord_lengths_watched(model, target, settings, &|_| ControlFlow::Continue(()))
 }
 
-/// The same with somebody looking on, who is shown the iterations of all closures and stops the fit by answering `Break`; to
+/// The same with somebody looking on, who is shown the iterations of all closures and stops the fit by answering `Break` to one; to
 /// the others that run beside, too. Then there is no result but [`FitStatus::Interrupted`] and the history.
 ///
 /// # Errors
@@ -186,7 +200,7 @@ pub fn fit_chord_lengths_watched(
     model: &Model,
     target: &Target,
     settings: &FitSettings,
-    watch: Watch,
+    watch: FitWatch,
 ) -> Result<ChordFit, Vec<Fault>> {
     let faults = faults(model, target, settings);
     if !faults.is_empty() {

@@ -1,7 +1,7 @@
 //! Moving the result rigidly on the reference, as closely as it goes.
 
 use nalgebra::{Isometry3, Matrix6, Translation3, UnitQuaternion, Vector6};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::kabsch::kabsch;
 use crate::Vec3;
@@ -9,7 +9,7 @@ use crate::measure::indexed_surface::{Foot, IndexedSurface};
 
 /// The rigid motion of the result that makes the root mean square distance to the reference least, and how it was
 /// found. A point x goes to `rotation · x + offset_mm`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Alignment {
     /// What was laid on what.
     pub method: AlignmentMethod,
@@ -30,7 +30,7 @@ pub struct Alignment {
 }
 
 /// What is laid on what.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AlignmentMethod {
     /// Each node on its like, each counting the same (Kabsch).

@@ -13,7 +13,7 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::Vec3;
 use crate::scene::{Contact, Fault};
@@ -60,7 +60,7 @@ impl Default for CompareSettings {
 }
 
 /// The distance between two surfaces.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     /// Size of both surfaces, and what is known of them.
     pub result: SurfaceSummary,
@@ -83,7 +83,7 @@ pub struct Comparison {
 }
 
 /// Size of a surface, and what is known of it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceSummary {
     /// Points that faces use.
     pub points: usize,
@@ -102,7 +102,7 @@ pub struct SurfaceSummary {
 }
 
 /// The error at each point of the result, shape `[point]` throughout.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorMap {
     /// Distance to the reference where both stand as given [mm].
     pub distance_mm: Vec<f64>,

@@ -1,6 +1,6 @@
 //! The distances under every definition, on the whole surface and on its parts.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::regions::{Mask, Masks};
 use crate::measure::indexed_surface::{Foot, IndexedSurface};
@@ -8,7 +8,7 @@ use crate::measure::statistics::DistanceStatistics;
 
 /// The distances on the whole surface and on its parts. Parts are parts of where distances are measured from; the
 /// other surface stays whole, so that tissue at the border of a part still finds its own like.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Regions {
     /// Everywhere.
     pub whole: Definitions,
@@ -21,7 +21,7 @@ pub struct Regions {
 }
 
 /// The distance under every definition; none where nothing is measured from.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Definitions {
     /// From each point of the result to the reference's surface, each point counting the same.
     pub result_to_reference: Option<DistanceStatistics>,
