@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use coapt::measure::SlackNeochord;
 use quick_xml::escape::escape;
 use serde::Deserialize;
 use serde_json::Value;
@@ -13,7 +14,7 @@ use crate::plan::text::{LIKELY, OPEN};
 use crate::plan::{Closed, SearchReport, Trust};
 use crate::report::{
     LeftOutReport, RepairReport, TableRow, UntangledReport, is_zero, left_out_line, number, reasons,
-    repair_line, untangled_line,
+    repair_line, slack_line, untangled_line,
 };
 
 const FRAME: &str = include_str!("page.html");
@@ -469,6 +470,9 @@ fn trust(page: &Page) -> String {
     let repairs = page.report["repairs"].as_array().into_iter().flatten();
     let repairs = repairs.filter_map(|repair| RepairReport::deserialize(repair).ok());
     out += &told("What was done", repairs.map(|repair| repair_line(&repair)));
+    let slack = page.report["slack_neochordae"].as_array().into_iter().flatten();
+    let slack = slack.filter_map(|slack| SlackNeochord::deserialize(slack).ok());
+    out += &told("Neochordae that hold nothing back", slack.map(|slack| slack_line(&slack)));
     let of_alternatives = page.report["alternatives"].as_array().into_iter().flatten();
     let warnings = std::iter::once(&page.report)
         .chain(of_alternatives)

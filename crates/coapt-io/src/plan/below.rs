@@ -1,4 +1,4 @@
-//! Lines below the row of a closed valve: the open valve, what flows back, an ensemble, rates.
+//! Lines below the row of a closed valve: neochordae that are slack, the open valve, what flows back, an ensemble, rates.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use coapt::plan::Criterion;
 use coapt::plan::ensemble::SEALED_BELOW_MM2;
 
 use super::{Closed, Open, Rate, Sampled, Sensitivities};
-use crate::report::{number, reasons};
+use crate::report::{SLACK, number, reasons, slack_line};
 
 /// All lines of a closed valve; `before` is the valve as it is, for one after repair.
 pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
@@ -19,6 +19,8 @@ pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
             number(rounded, 0)
         ));
     }
+    let slack = closed.slack_neochordae.iter();
+    lines.extend(slack.map(|slack| format!("{SLACK}: {}", slack_line(slack))));
     let open_before = before.and_then(|before| before.diastole.as_ref());
     lines.extend(closed.diastole.as_ref().map(|open| of_open(open, open_before)));
     lines.extend(closed.uncertainty.as_ref().map(of_sampled).unwrap_or_default());

@@ -19,7 +19,7 @@ pub(crate) mod text;
 use std::collections::BTreeMap;
 
 use coapt::Vec3;
-use coapt::measure::{Measures, ValveFrame, valve_frame};
+use coapt::measure::{Measures, SlackNeochord, ValveFrame, valve_frame};
 use coapt::model::Model;
 use coapt::plan::{Alternative, Comparison, Criterion, Outcome};
 use coapt::relax::Status;
@@ -155,6 +155,10 @@ pub struct Closed {
     pub measures: Measures,
     /// What its anatomic orifice would let back in a beat, from a sharp to a rounded one [mL]: an estimate.
     pub regurgitant_volume_ml: [f64; 2],
+    /// Neochordae that hold nothing back, or of which some strands do not, each with the number of its repair from 0; of a certified
+    /// shape only. With nothing but such a neochord, the row is the valve as it was.
+    #[serde(default)]
+    pub slack_neochordae: Vec<SlackNeochord>,
     /// The same valve without pressure; absent where it was not asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diastole: Option<Open>,
@@ -326,6 +330,10 @@ fn closed(outcome: &Outcome) -> Closed {
             begun_at: outcome.begun_at.map(|number| number + 1),
         },
         measures: outcome.measures.clone(),
+        slack_neochordae: match outcome.is_certified() {
+            true => outcome.slack_neochordae.clone(),
+            false => Vec::new(),
+        },
         regurgitant_volume_ml: outcome.regurgitant_volume_ml,
         diastole: outcome.diastole.as_ref().map(Open::new),
         uncertainty: None,

@@ -138,6 +138,9 @@ fn flat(closed: Option<&Closed>) -> BTreeMap<String, f64> {
     };
     // Has columns of its own.
     whole.remove("solve");
+    // How many there are: their names differ from row to row.
+    let slack = closed.map_or(0, |closed| closed.slack_neochordae.len());
+    whole.insert("slack_neochordae".to_owned(), slack.into());
     numbers(&whole.into())
 }
 

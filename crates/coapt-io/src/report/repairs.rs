@@ -1,5 +1,6 @@
 //! What each repair did: for machines, and as a sentence.
 
+use coapt::measure::{SLACK_BELOW_N, SlackNeochord};
 use coapt::repair::{
     self, AlfieriReport, AugmentReport, CleftReport, ClipReport, CutReport, NeochordReport, RelocationReport,
     ResectReport, RingReport, TransferReport,
@@ -166,6 +167,24 @@ fn neochord_line(neochord: &NeochordReport) -> String {
         longest.unwrap_or(0.0),
         depth.unwrap_or_default()
     )
+}
+
+/// That a neochord does nothing, or half of what was meant: else a plan with it looks like a repair and is the valve as it was.
+pub(crate) fn slack_line(slack: &SlackNeochord) -> String {
+    let SlackNeochord {
+        repair,
+        name,
+        strands,
+        slack_strands,
+    } = slack;
+    match slack.is_idle() {
+        true => format!(
+            "repair[{repair}], {name}: no strand bears {SLACK_BELOW_N} N or more in the closed valve, which closes as without it"
+        ),
+        false => format!(
+            "repair[{repair}], {name}: {slack_strands} of {strands} strands bear less than {SLACK_BELOW_N} N in the closed valve"
+        ),
+    }
 }
 
 fn resect_line(piece: &ResectReport) -> String {

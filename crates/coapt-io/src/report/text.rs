@@ -5,7 +5,7 @@ use std::fmt::Write;
 use coapt::relax::Status;
 use coapt::scene::{Readable, Settings};
 
-use super::repairs::repair_line;
+use super::repairs::{repair_line, slack_line};
 use super::rows::{TableRow, rows};
 use super::{LeftOutReport, Report, Solve, UntangledReport};
 use crate::escape::escaped;
@@ -38,6 +38,9 @@ pub fn text(report: &Report) -> String {
     for repair in &report.repairs {
         line(&mut out, "repair", &repair_line(repair));
     }
+    for slack in &report.slack_neochordae {
+        line(&mut out, SLACK, &slack_line(slack));
+    }
     out.push('\n');
     match &report.after {
         None => certificate(&mut out, "", &report.before.solve),
@@ -69,6 +72,9 @@ pub fn text(report: &Report) -> String {
     let _ = writeln!(out, "\n{}", report.notice);
     out
 }
+
+/// What stands before a neochord that holds nothing back.
+pub(crate) const SLACK: &str = "SLACK";
 
 /// Two lines on how far a result can be trusted.
 fn certificate(out: &mut String, name: &str, solve: &Solve) {
@@ -308,6 +314,25 @@ mod tests {
         );
         assert_eq!(json["repairs"][1]["name"], "clip A2P2");
         assert!(json["after"]["sutures"][0]["total_force_n"].as_f64() > Some(0.0));
+    }
+
+    /// A neochord too long to hold anything looks like a repair and is none.
+    #[test]
+    fn a_slack_neochord_says_so() {
+        let at = |length_mm: f64| {
+            let neochord = Neochord {
+                position: Some(0.35),
+                length_mm: Some(length_mm),
+                ..Neochord::to("posterior")
+            };
+            Report::new(&closure_with(&[Repair::Neochord(neochord)]))
+        };
+        let slack = at(40.0);
+        let told = text(&slack).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(told.contains("SLACK: repair[0], neochord posterior 0.35: no strand bears 0.01 N"), "{told}");
+        assert_eq!(slack.slack_neochordae.len(), 1);
+        let taut = at(10.0);
+        assert!(!text(&taut).contains("SLACK") && taut.slack_neochordae.is_empty());
     }
 
     #[test]

@@ -63,6 +63,43 @@ fn the_open_valve_is_told_where_it_is_certified() {
     );
 }
 
+/// A loop of thirty millimetres on a valve that lacks no chord holds nothing back: row, JSON and CSV say so, and the row that holds does not;
+/// of a shape without a certificate nothing is told.
+#[test]
+fn neochordae_that_hold_nothing_back_are_told() {
+    let plan = "schema_version = 1\n[[alternative]]\n[[alternative.repair]]\nkind = \"neochord\"\nleaflet = \"posterior\"\n\
+                site = \"A2P2\"\nlength_mm = [30, 10]\n";
+    let mut compared = compared_with(plan, false);
+    let report = report(&compared);
+    let row = |report: &PlanReport, number: usize| {
+        let row = report.alternatives.iter().find(|row| row.number == number);
+        row.unwrap().closed.clone().unwrap()
+    };
+    assert_eq!(row(&report, 2).slack_neochordae, [], "one that is taut");
+    let line = "SLACK: repair[0], neochord posterior A2P2: no strand bears 0.01 N or more in the closed valve, which closes as without it";
+    assert!(below::lines(&row(&report, 1), None).contains(&line.to_owned()));
+    let told = text(&report).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(told.matches("SLACK: ").count(), 1, "{told}");
+    assert!(told.contains(line), "{told}");
+    // As without it, to the last bit of the orifice.
+    assert_eq!(row(&report, 1).measures.orifice, report.before.measures.orifice);
+    let json: serde_json::Value = serde_json::from_str(&report.json().unwrap()).unwrap();
+    let at = json["alternatives"].as_array().unwrap().iter().find(|row| row["number"] == 1).unwrap();
+    assert_eq!(at["slack_neochordae"][0]["repair"], 0);
+    assert_eq!(at["slack_neochordae"][0]["slack_strands"], 2);
+    let csv = csv(&report);
+    let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let column = lines.next().unwrap().iter().position(|head| *head == "slack_neochordae").unwrap();
+    let told: Vec<(String, String)> = lines.map(|line| (line[0].to_owned(), line[column].to_owned())).collect();
+    for (number, count) in [("0", "0"), ("1", "1"), ("2", "0")] {
+        assert!(told.contains(&(number.to_owned(), count.to_owned())), "{told:?}");
+    }
+    for row in &mut compared.comparison.rows {
+        row.result.as_mut().unwrap().status = Status::Stalled;
+    }
+    assert!(!text(&self::report(&compared)).contains("SLACK"));
+}
+
 /// Before and the best have an ensemble, in words, in JSON and in CSV; what is not counted is told.
 #[test]
 fn ensembles_are_told_as_a_surgeon_reads_them() {
