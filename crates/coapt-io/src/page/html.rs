@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::{Page, PageState, Seals};
-use crate::plan::below;
+use crate::plan::below::{self, HARDLY_OPENS};
 use crate::plan::search::{sentence, tried};
 use crate::plan::text::{LIKELY, OPEN};
 use crate::plan::{Closed, SearchReport, Trust};
@@ -348,8 +348,12 @@ fn alternative(rank: &str, name: &str, attributes: &str, told: &Value, columns: 
         false => "",
     };
     let mut out = format!(
-        "<tr{attributes}{doubted}><td>{rank}</td><td class=\"name\">{}</td>",
-        word(name)
+        "<tr{attributes}{doubted}><td>{rank}</td><td class=\"name\">{}{}</td>",
+        word(name),
+        match told["diastole"]["hardly_opens"] == true {
+            true => format!(" <span class=\"uncertified\">{HARDLY_OPENS}</span>"),
+            false => String::new(),
+        }
     );
     for column in columns {
         let value = told.pointer(column.path).and_then(Value::as_f64);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use coapt::measure::flow::HARDLY_OPENS_MM2;
 use coapt::plan::Criterion;
 use coapt::plan::ensemble::SEALED_BELOW_MM2;
 
@@ -28,6 +29,9 @@ pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
     lines
 }
 
+/// What stands beside a valve that seals by hardly opening, whatever its rank.
+pub(crate) const HARDLY_OPENS: &str = "HARDLY OPENS";
+
 fn of_open(open: &Open, before: Option<&Open>) -> String {
     let (Some(openings), Some(area_mm2)) = (&open.openings_mm2, open.area_mm2) else {
         let reasons = reasons(open.status, open.stable, open.crossings);
@@ -39,9 +43,14 @@ fn of_open(open: &Open, before: Option<&Open>) -> String {
         [_] => "1 opening".to_owned(),
         _ => format!("{} openings of {} mm²", areas.len(), areas.join(", ")),
     };
-    let gradient = open.mean_gradient_mmhg.map_or(String::new(), |mmhg| {
-        format!("; mean gradient at most {} mmHg", number(mmhg, 1))
-    });
+    let gradient = match (open.hardly_opens, open.mean_gradient_mmhg) {
+        (Some(true), _) => format!(
+            "; {HARDLY_OPENS}: through {} mm², under {HARDLY_OPENS_MM2}, no gradient is told",
+            number(area_mm2, 0)
+        ),
+        (_, Some(mmhg)) => format!("; mean gradient at most {} mmHg", number(mmhg, 1)),
+        (_, None) => String::new(),
+    };
     let left = match before.and_then(|before| before.area_mm2) {
         Some(before_mm2) if before_mm2 > 0.0 => {
             format!(

@@ -49,6 +49,25 @@ fn the_open_valve_is_told_where_it_is_certified() {
         .diastole
         .as_mut()
         .unwrap();
+    // As if it opened to six square millimetres: hundreds of times that gradient are no figure, and the rank does not hide it.
+    let kept = open.clone();
+    open.orifice.as_mut().unwrap().area_mm2 = 6.0;
+    open.mean_gradient_mmhg = coapt::measure::flow::mean_diastolic_gradient_mmhg(6.0, &Default::default());
+    let narrow = self::report(&compared);
+    let told = text(&narrow).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(told.contains("; HARDLY OPENS: through 6 mm², under 50, no gradient is told"), "{told}");
+    let json = serde_json::to_value(&narrow).unwrap();
+    let opened = &json["alternatives"][0]["diastole"];
+    assert_eq!((&json["alternatives"][0]["rank"], &opened["hardly_opens"]), (&1.into(), &true.into()));
+    assert!(opened.get("mean_gradient_mmhg").is_none());
+    assert_eq!(json["before"]["diastole"]["hardly_opens"], false);
+    let table = csv(&narrow);
+    let mut lines = table.lines();
+    let column = lines.next().unwrap().split(',').position(|head| head == "diastole.mean_gradient_mmhg");
+    let cells: Vec<&str> = lines.map(|line| line.split(',').nth(column.unwrap()).unwrap()).collect();
+    assert!(cells[0].parse::<f64>().is_ok() && cells[1].is_empty(), "{cells:?}");
+    let open = compared.comparison.rows[0].result.as_mut().unwrap().diastole.as_mut().unwrap();
+    *open = kept;
     (open.status, open.orifice, open.mean_gradient_mmhg) = (Status::Stalled, None, None);
     let lost = self::report(&compared);
     assert!(!lost.certified());
