@@ -125,13 +125,13 @@ fn carry_out(
     max_alternatives: u64,
     stop: &Stop,
 ) -> Result<Done, Vec<Fault>> {
-    let (plan, more) = alternatives_from_text(Path::new(&text.name), &text.text, max_alternatives)?;
+    let (mut plan, more) = alternatives_from_text(Path::new(&text.name), &text.text, max_alternatives)?;
     let warnings: Vec<Fault> = built.warnings.iter().cloned().chain(more).collect();
     let on_stage = |_, work: &mut dyn FnMut(Watch)| work(&|_| stop.flow());
     let (report, comparison) = plan::carry_out(
         &built.model,
         text.file(),
-        &plan,
+        &mut plan,
         keep_shapes,
         &warnings,
         &on_stage,

@@ -1,20 +1,23 @@
 //! Tables and words of a page, which are there without any script.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
 use coapt::measure::SlackNeochord;
+use coapt::plan::Criterion;
 use quick_xml::escape::escape;
 use serde::Deserialize;
 use serde_json::Value;
 
 use super::{Page, PageState, Seals};
 use crate::plan::below::{self, HARDLY_OPENS};
-use crate::plan::search::{sentence, tried};
-use crate::plan::text::{LIKELY, OPEN};
+use crate::plan::search::{heading, sentence, tried};
+use crate::plan::text::{FOUND, LIKELY, OPEN};
+use crate::plan::words::{ranking, words};
 use crate::plan::{Closed, SearchReport, Trust};
 use crate::report::{
-    LeftOutReport, RepairReport, TableRow, UntangledReport, is_zero, left_out_line, number, reasons,
-    repair_line, slack_line, untangled_line,
+    LeftOutReport, NOT_CERTIFIED, RepairReport, TableRow, UntangledReport, is_zero, left_out_line, number,
+    reasons, repair_line, slack_line, untangled_line,
 };
 
 const FRAME: &str = include_str!("page.html");
@@ -93,7 +96,7 @@ fn verdict(state: &PageState) -> String {
             "<p class=\"verdict certified\">{name}: CERTIFIED (converged, stable, no surfaces cross)</p>\n"
         ),
         false => format!(
-            "<p class=\"verdict uncertified\">{name}: NOT CERTIFIED ({}); figures of a shape that is not certified are no \
+            "<p class=\"verdict uncertified\">{name}: {NOT_CERTIFIED} ({}); figures of a shape that is not certified are no \
              prediction</p>\n",
             doubt(certificate)
         ),
@@ -240,7 +243,7 @@ fn readable(value: f64, digits: usize) -> String {
 
 /// A column of the table of alternatives.
 struct Column {
-    heading: &'static str,
+    heading: Cow<'static, str>,
     /// Where its value stands in the plan's report.
     path: &'static str,
     /// From there to the unit of the heading.
@@ -248,30 +251,43 @@ struct Column {
     digits: usize,
 }
 
-const fn column(heading: &'static str, path: &'static str, digits: usize) -> Column {
+fn column(heading: &'static str, path: &'static str, digits: usize) -> Column {
     Column {
-        heading,
+        heading: heading.into(),
         path,
         factor: 1.0,
         digits,
     }
 }
 
-const COLUMNS: [Column; 10] = [
-    column("orifice [mm²]", "/orifice/area_mm2", 1),
-    column("widest gap [mm]", "/orifice/max_gap_mm", 1),
-    column("coaptation at A2-P2 [mm]", "/coaptation/length_a2p2_mm", 1),
-    column("mean coaptation [mm]", "/coaptation/length_mean_mm", 1),
-    column("contact [mm²]", "/coaptation/area_mm2", 0),
-    column("tenting [mm]", "/tenting/height_mm", 1),
-    column("largest chord force [N]", "/chords/max_force_n", 2),
-    column("open orifice [mm²]", "/diastole/area_mm2", 0),
-    column("mean gradient, at most [mmHg]", "/diastole/mean_gradient_mmhg", 1),
+/// The column of a criterion, called as everywhere.
+fn of_criterion(criterion: Criterion, path: &'static str) -> Column {
+    let words = words(criterion);
     Column {
-        factor: 100.0,
-        ..column("seals [%]", "/uncertainty/sealed/estimate", 0)
-    },
-];
+        heading: words.heading().into(),
+        path,
+        factor: words.factor,
+        digits: words.digits,
+    }
+}
+
+fn all_columns() -> [Column; 10] {
+    [
+        of_criterion(Criterion::Orifice, "/orifice/area_mm2"),
+        column("widest gap [mm]", "/orifice/max_gap_mm", 1),
+        of_criterion(Criterion::CoaptationLengthA2P2, "/coaptation/length_a2p2_mm"),
+        of_criterion(Criterion::CoaptationLength, "/coaptation/length_mean_mm"),
+        column("contact [mm²]", "/coaptation/area_mm2", 0),
+        column("tenting [mm]", "/tenting/height_mm", 1),
+        of_criterion(Criterion::ChordForce, "/chords/max_force_n"),
+        of_criterion(Criterion::DiastolicOrifice, "/diastole/area_mm2"),
+        column("mean gradient, at most [mmHg]", "/diastole/mean_gradient_mmhg", 1),
+        Column {
+            factor: 100.0,
+            ..column("seals [%]", "/uncertainty/sealed/estimate", 0)
+        },
+    ]
+}
 
 fn alternatives(page: &Page) -> String {
     if page.plan.is_none() {
@@ -284,7 +300,10 @@ fn alternatives(page: &Page) -> String {
         rows.iter()
             .any(|row| row.pointer(path).is_some_and(Value::is_number))
     };
-    let columns: Vec<&Column> = COLUMNS.iter().filter(|column| is_known(column.path)).collect();
+    let columns: Vec<Column> = all_columns()
+        .into_iter()
+        .filter(|column| is_known(column.path))
+        .collect();
     let mut out = String::from(
         "<section class=\"alternatives\" aria-label=\"Alternatives\">\n<h2>Alternatives, the best first</h2>\n<p class=\"words\">",
     );
@@ -334,14 +353,11 @@ fn alternatives(page: &Page) -> String {
     out + "</tbody></table></div>\n</section>"
 }
 
-/// What stands in place of a rank.
-const NOT_CERTIFIED: &str = "NOT CERTIFIED";
-
 fn is_certified(closed: &Value) -> bool {
     closed["solve"]["certified"] == true
 }
 
-fn alternative(rank: &str, name: &str, attributes: &str, told: &Value, columns: &[&Column]) -> String {
+fn alternative(rank: &str, name: &str, attributes: &str, told: &Value, columns: &[Column]) -> String {
     // Figures of a shape that is not certified must not look like results.
     let doubted = match told["solve"].is_object() && !is_certified(told) {
         true => " class=\"doubted\"",
@@ -350,10 +366,7 @@ fn alternative(rank: &str, name: &str, attributes: &str, told: &Value, columns: 
     let mut out = format!(
         "<tr{attributes}{doubted}><td>{rank}</td><td class=\"name\">{}{}</td>",
         word(name),
-        match told["diastole"]["hardly_opens"] == true {
-            true => format!(" <span class=\"uncertified\">{HARDLY_OPENS}</span>"),
-            false => String::new(),
-        }
+        marks(told)
     );
     for column in columns {
         let value = told.pointer(column.path).and_then(Value::as_f64);
@@ -361,6 +374,16 @@ fn alternative(rank: &str, name: &str, attributes: &str, told: &Value, columns: 
         let _ = write!(out, "<td>{}</td>", told.unwrap_or_else(|| "–".to_owned()));
     }
     out + "</tr>\n"
+}
+
+/// What stands beside the name of a row, whatever its rank.
+fn marks(told: &Value) -> String {
+    let found = (told["found_by_search"] == true).then_some(("found", FOUND));
+    let narrow = (told["diastole"]["hardly_opens"] == true).then_some(("uncertified", HARDLY_OPENS));
+    let marks = [found, narrow].into_iter().flatten();
+    marks
+        .map(|(class, words)| format!(" <span class=\"{class}\">{words}</span>"))
+        .collect()
 }
 
 /// What is told of each valve beside its measures, in the words of [`crate::plan::text`]: what flows back, the open valve, an ensemble,
@@ -422,7 +445,7 @@ fn search(page: &Page) -> String {
     let rows: String = tried(&report)
         .map(|[value, measured, mark]| {
             let class = match &*mark {
-                "NOT CERTIFIED" => " class=\"doubted\"",
+                NOT_CERTIFIED => " class=\"doubted\"",
                 _ => "",
             };
             format!("<tr{class}><td>{value}</td><td>{measured}</td><td class=\"name\">{mark}</td></tr>\n")
@@ -433,39 +456,20 @@ fn search(page: &Page) -> String {
          <th scope=\"col\">{}</th><th class=\"name\">values tried</th></tr></thead>\n<tbody>\n{rows}</tbody></table>\n</section>\n",
         word(&sentence(&report)),
         word(&report.key),
-        word(&report.measure)
+        word(&heading(&report))
     )
 }
 
 fn ranked_by(report: &Value) -> String {
     let criteria = report["ranking"].as_array().into_iter().flatten();
-    let told: Vec<String> = criteria
-        .map(|criterion| {
-            let name = readable_criterion(criterion["criterion"].as_str().unwrap_or("?"));
-            let bin = criterion["bin"].as_f64().unwrap_or(f64::NAN);
-            match criterion["unit"].as_str().unwrap_or("") {
-                "1" => format!("{name} (in steps of {:.0} %)", 100.0 * bin),
-                "halvings" => format!("{name} (by how often it is halved)"),
-                unit => format!("{name} (in steps of {bin} {unit})"),
-            }
-        })
-        .collect();
+    let known = criteria.filter_map(|it| {
+        let criterion = Criterion::deserialize(&it["criterion"]).ok()?;
+        Some((criterion, it["bin"].as_f64()?))
+    });
     word(&format!(
-        "Ranked by {}; what is not certified is not ranked. The open orifice is that of the leaflets without pressure, annulus and \
-         tips as in systole: it compares repairs, and is no mitral valve area.",
-        told.join(", then ")
+        "Ranked by {}; what is not certified is not ranked.",
+        ranking(known)
     ))
-}
-
-/// A criterion as the columns call it.
-fn readable_criterion(name: &str) -> String {
-    match name {
-        "diastolic_orifice" => "open orifice".to_owned(),
-        "coaptation_length_a2p2" => "coaptation at A2-P2".to_owned(),
-        "coaptation_length" => "mean coaptation".to_owned(),
-        "chord_force" => "largest chord force".to_owned(),
-        other => other.replace('_', " "),
-    }
 }
 
 fn trust(page: &Page) -> String {
@@ -476,7 +480,10 @@ fn trust(page: &Page) -> String {
     out += &told("What was done", repairs.map(|repair| repair_line(&repair)));
     let slack = page.report["slack_neochordae"].as_array().into_iter().flatten();
     let slack = slack.filter_map(|slack| SlackNeochord::deserialize(slack).ok());
-    out += &told("Neochordae that hold nothing back", slack.map(|slack| slack_line(&slack)));
+    out += &told(
+        "Neochordae that hold nothing back",
+        slack.map(|slack| slack_line(&slack)),
+    );
     let of_alternatives = page.report["alternatives"].as_array().into_iter().flatten();
     let warnings = std::iter::once(&page.report)
         .chain(of_alternatives)

@@ -276,10 +276,16 @@ fn what_hardly_opens_is_marked_on_the_page() {
             slack_strands: 1,
         }];
     });
-    assert_eq!(html.matches("<span class=\"uncertified\">HARDLY OPENS</span></td>").count(), 1);
+    assert_eq!(
+        html.matches("<span class=\"uncertified\">HARDLY OPENS</span></td>")
+            .count(),
+        1
+    );
     let html = plain(&html);
     assert!(html.contains("HARDLY OPENS: through 6 mm², under 50, no gradient is told</li>"));
-    assert!(html.contains("<li>SLACK: repair[3], neochord <P2>: 1 of 2 strands bear less than 0.01 N in the closed valve</li>"));
+    assert!(html.contains(
+        "<li>SLACK: repair[3], neochord <P2>: 1 of 2 strands bear less than 0.01 N in the closed valve</li>"
+    ));
 }
 
 /// Figures of a valve as it is that is not certified must not look like results: they are marked, and nothing has changed from them.

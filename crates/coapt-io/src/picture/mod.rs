@@ -13,7 +13,7 @@ use png::{BitDepth, ColorType, Encoder};
 use crate::atomic::Batch;
 use crate::page::geometry::{Geometry, curve};
 use crate::page::geometry_of;
-use crate::report::{Closed, Closure, NOTICE, ring_curves};
+use crate::report::{Closed, Closure, NOT_CERTIFIED, NOTICE, ring_curves};
 use canvas::{Canvas, INK, LETTER_WIDTH};
 use colours::{Colouring, UNCERTIFIED};
 use view::{Direction, drawn};
@@ -133,8 +133,8 @@ fn composed(frame: &ValveFrame, valves: &[Shown], quantity: Quantity) -> Canvas 
             whole.place([column * width, top + HEAD], &view);
         }
         let (trust, colour) = match valve.certified {
-            true => ("certified", INK),
-            false => ("NOT CERTIFIED: no prediction", UNCERTIFIED),
+            true => ("certified".to_owned(), INK),
+            false => (format!("{NOT_CERTIFIED}: no prediction"), UNCERTIFIED),
         };
         // What is trusted must be seen whole; the name need not.
         let room = (width - 16) / LETTER_WIDTH - trust.len() - 2;

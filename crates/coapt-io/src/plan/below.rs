@@ -6,8 +6,9 @@ use coapt::measure::flow::HARDLY_OPENS_MM2;
 use coapt::plan::Criterion;
 use coapt::plan::ensemble::SEALED_BELOW_MM2;
 
+use super::words::{Words, words};
 use super::{Closed, Open, Rate, Sampled, Sensitivities};
-use crate::report::{SLACK, number, reasons, slack_line};
+use crate::report::{NOT_CERTIFIED, SLACK, number, reasons, slack_line};
 
 /// All lines of a closed valve; `before` is the valve as it is, for one after repair.
 pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
@@ -35,7 +36,7 @@ pub(crate) const HARDLY_OPENS: &str = "HARDLY OPENS";
 fn of_open(open: &Open, before: Option<&Open>) -> String {
     let (Some(openings), Some(area_mm2)) = (&open.openings_mm2, open.area_mm2) else {
         let reasons = reasons(open.status, open.stable, open.crossings);
-        return format!("open valve NOT CERTIFIED: {reasons}");
+        return format!("open valve {NOT_CERTIFIED}: {reasons}");
     };
     let areas: Vec<String> = openings.iter().map(|area_mm2| number(*area_mm2, 0)).collect();
     let openings = match &areas[..] {
@@ -63,18 +64,6 @@ fn of_open(open: &Open, before: Option<&Open>) -> String {
     format!("open without pressure: {openings}{left}{gradient}")
 }
 
-/// How a criterion is called and written: name, unit as shown, what its value is multiplied by for that, digits.
-fn shown(criterion: Criterion) -> (&'static str, &'static str, f64, usize) {
-    match criterion {
-        Criterion::Orifice => ("orifice", "mm²", 1.0, 1),
-        Criterion::CoaptationLengthA2P2 => ("coaptation at A2-P2", "mm", 1.0, 2),
-        Criterion::CoaptationLength => ("mean coaptation", "mm", 1.0, 2),
-        Criterion::ChordForce => ("largest chord tension", "N", 1.0, 2),
-        Criterion::Strain => ("strain", "%", 100.0, 1),
-        Criterion::DiastolicOrifice => ("orifice without pressure", "mm²", 1.0, 0),
-    }
-}
-
 /// What a surgeon reads: how often it seals, then medians and where nine of ten lie.
 fn of_sampled(sampled: &Sampled) -> Vec<String> {
     let Sampled {
@@ -98,10 +87,16 @@ fn of_sampled(sampled: &Sampled) -> Vec<String> {
     ));
     let ranges = Criterion::ALL.into_iter().filter_map(|criterion| {
         let interval = sampled.intervals.get(criterion.name())?;
-        let (name, unit, scale, digits) = shown(criterion);
-        let at = |value: f64| number(scale * value, digits.min(1));
+        let Words {
+            title,
+            unit,
+            factor,
+            digits,
+            ..
+        } = words(criterion);
+        let at = |value: f64| number(factor * value, digits.min(1));
         Some(format!(
-            "{name} {} ({} to {}) {unit}",
+            "{title} {} ({} to {}) {unit}",
             at(interval.median),
             at(interval.low),
             at(interval.high)
@@ -149,13 +144,19 @@ fn unit_of(key: &str) -> Option<(&str, &'static str)> {
 
 fn changes(per_unit: &BTreeMap<String, f64>, step: f64) -> String {
     let told = Criterion::ALL.into_iter().filter_map(|criterion| {
-        let (name, unit, scale, digits) = shown(criterion);
-        let change = number(scale * step * per_unit.get(criterion.name())?, digits);
+        let Words {
+            title,
+            unit,
+            factor,
+            rate_digits,
+            ..
+        } = words(criterion);
+        let change = number(factor * step * per_unit.get(criterion.name())?, rate_digits);
         let sign = match change.starts_with('-') || change.chars().all(|it| matches!(it, '0' | '.')) {
             true => "",
             false => "+",
         };
-        Some(format!("{name} {sign}{change} {unit}"))
+        Some(format!("{title} {sign}{change} {unit}"))
     });
     told.collect::<Vec<_>>().join(", ")
 }

@@ -4,11 +4,12 @@ use coapt::model::Model;
 use coapt::plan::{
     Alternative, Comparison, Progress, Row, Settings, Watch, compare_watched, summaries, wrong_input,
 };
-use coapt::scene::Fault;
+use coapt::scene::{Fault, Readable};
 use rayon::prelude::*;
 
-use super::{PlanFile, PlanReport, found, in_plan, rates_of};
-use crate::scene::{Alternatives, located};
+use super::words::rounded;
+use super::{PlanFile, PlanReport, SearchReport, found, in_plan, rates_of};
+use crate::scene::{Alternatives, Search, located};
 
 /// What of a plan is being done; all closures of a stage run side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +25,8 @@ pub enum Stage {
 /// Called with each stage and its work, which it must do once, looking on as it likes.
 pub type OnStage<'a> = &'a dyn Fn(Stage, &mut dyn FnMut(Watch));
 
-/// Does all that a plan asks for. `keep_shapes`: whether the comparison holds closed shapes.
+/// Does all that a plan asks for. `keep_shapes`: whether the comparison holds closed shapes. The answer of a search becomes an alternative
+/// of the plan, unless one of them is it, to be closed and ranked with the others.
 ///
 /// # Errors
 /// What is wrong with alternatives in themselves, of all of them, before anything is closed; a search that cannot be made; why this
@@ -32,7 +34,7 @@ pub type OnStage<'a> = &'a dyn Fn(Stage, &mut dyn FnMut(Watch));
 pub fn carry_out(
     model: &Model,
     file: PlanFile,
-    plan: &Alternatives,
+    plan: &mut Alternatives,
     keep_shapes: bool,
     warnings: &[Fault],
     on_stage: OnStage,
@@ -41,7 +43,7 @@ pub fn carry_out(
     if !wrong.is_empty() {
         return Err(wrong);
     }
-    let asked = &plan.asked;
+    let asked = plan.asked.clone();
     // First: it may be refused.
     let search = match &asked.search {
         Some(sought) => {
@@ -54,6 +56,10 @@ pub fn carry_out(
         }
         None => None,
     };
+    if let (Some(sought), Some(found)) = (&asked.search, &search) {
+        add_answer(plan, sought, found);
+    }
+    let plan = &*plan;
     let settings = Settings {
         criteria: plan.ranked_by(),
         keep_positions: keep_shapes || asked.sensitivities,
@@ -84,6 +90,29 @@ pub fn carry_out(
         }
     }
     Ok((report, comparison))
+}
+
+/// Makes the answer of a search an alternative, or marks the one that does the same.
+fn add_answer(plan: &mut Alternatives, sought: &Search, found: &SearchReport) {
+    let Some(answer) = &found.answer else {
+        return;
+    };
+    let does_it = |alternative: &Alternative| alternative.repairs == found.repairs;
+    plan.found_by_search = plan.alternatives.iter().position(does_it);
+    if plan.found_by_search.is_none() {
+        plan.found_by_search = Some(plan.alternatives.len());
+        let kind = serde_json::to_value(&sought.repairs[sought.repair]).unwrap_or_default();
+        let kind = kind["kind"].as_str().unwrap_or("repair").to_owned();
+        plan.alternatives.push(Alternative {
+            name: format!(
+                "search: {kind} {} {}",
+                sought.key,
+                Readable(rounded(answer.value))
+            ),
+            repairs: found.repairs.clone(),
+        });
+        plan.keys.push(sought.places.clone());
+    }
 }
 
 /// The alternative that is filmed, beside the valve as it is: the one that ranks first. None where nothing has a rank.

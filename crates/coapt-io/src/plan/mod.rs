@@ -15,6 +15,7 @@ mod more;
 pub(crate) mod search;
 mod table;
 pub(crate) mod text;
+pub(crate) mod words;
 
 use std::collections::BTreeMap;
 
@@ -130,6 +131,9 @@ pub struct Row {
     pub rank: Option<usize>,
     /// Whether nothing is done but to tear or cut chordae: what if, and no repair.
     pub only_takes_chordae: bool,
+    /// Whether its repairs are those that the search found: an alternative of the plan, or one made for the answer, which comes after all
+    /// of the plan in their order.
+    pub found_by_search: bool,
     /// Its number in the order of the plan, from 1.
     pub number: usize,
     /// What it is called.
@@ -306,6 +310,7 @@ fn row(row: &coapt::plan::Row, plan: &Alternatives, lines: &mut Lines) -> Row {
     Row {
         rank: row.rank,
         only_takes_chordae: row.only_takes_chordae,
+        found_by_search: plan.found_by_search == Some(row.alternative),
         number: row.alternative + 1,
         name: alternative.name.clone(),
         repairs: alternative.repairs.clone(),

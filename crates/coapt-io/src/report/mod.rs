@@ -12,15 +12,17 @@ use coapt::repair;
 use coapt::scene::{Contact, Fault, MMHG_MPA, Settings};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use repairs::{repair_line, slack_line};
 use repairs::repair_report;
+pub(crate) use repairs::{repair_line, slack_line};
 
 pub use repairs::{RepairReport, RingFigures};
 pub use rows::{TableRow, rows, rows_of};
 pub(crate) use surfaces::{chords, loaded_chords, ring_curves, stage_closed_chords, stage_closed_surface};
 pub use surfaces::{closed_surface, stage_results, write_closed_surface, write_results};
 pub use text::text;
-pub(crate) use text::{SLACK, WIDTH, is_zero, left_out_line, line, number, reasons, untangled_line, wrapped};
+pub(crate) use text::{
+    NOT_CERTIFIED, SLACK, WIDTH, is_zero, left_out_line, line, number, reasons, untangled_line, wrapped,
+};
 
 /// The layout of the JSON report.
 pub const REPORT_SCHEMA: &str = "coapt-report/1";
@@ -191,7 +193,11 @@ impl Report {
             before: outcome(&closure.before),
             after: closure.after.as_ref().map(outcome),
             repairs: closure.repairs.iter().map(repair_report).collect(),
-            slack_neochordae: closure.after.as_ref().map(|after| slack(after, &closure.repairs)).unwrap_or_default(),
+            slack_neochordae: closure
+                .after
+                .as_ref()
+                .map(|after| slack(after, &closure.repairs))
+                .unwrap_or_default(),
             warnings: closure.warnings.iter().map(warning).collect(),
         }
     }

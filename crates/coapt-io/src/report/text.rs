@@ -73,6 +73,9 @@ pub fn text(report: &Report) -> String {
     out
 }
 
+/// What stands beside figures of a shape that is not certified, and before why it is not.
+pub(crate) const NOT_CERTIFIED: &str = "NOT CERTIFIED";
+
 /// What stands before a neochord that holds nothing back.
 pub(crate) const SLACK: &str = "SLACK";
 
@@ -84,7 +87,7 @@ fn certificate(out: &mut String, name: &str, solve: &Solve) {
             solve.residual
         ),
         None => "CERTIFIED (converged, stable, no surfaces cross)".to_owned(),
-        Some(reasons) => format!("NOT CERTIFIED: {reasons}"),
+        Some(reasons) => format!("{NOT_CERTIFIED}: {reasons}"),
     };
     wrapped(out, name, &verdict);
     let work = format!(
@@ -329,7 +332,10 @@ mod tests {
         };
         let slack = at(40.0);
         let told = text(&slack).split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(told.contains("SLACK: repair[0], neochord posterior 0.35: no strand bears 0.01 N"), "{told}");
+        assert!(
+            told.contains("SLACK: repair[0], neochord posterior 0.35: no strand bears 0.01 N"),
+            "{told}"
+        );
         assert_eq!(slack.slack_neochordae.len(), 1);
         let taut = at(10.0);
         assert!(!text(&taut).contains("SLACK") && taut.slack_neochordae.is_empty());

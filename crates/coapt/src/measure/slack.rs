@@ -51,7 +51,10 @@ pub fn slack_neochordae(model: &Model, reports: &[Report], positions_mm: &[Vec3]
             .filter(|(group, _)| is_meant(group))
             .map(|(_, tension_n)| *tension_n)
             .collect();
-        let slack_strands = strands.iter().filter(|tension_n| **tension_n < SLACK_BELOW_N).count();
+        let slack_strands = strands
+            .iter()
+            .filter(|tension_n| **tension_n < SLACK_BELOW_N)
+            .count();
         (slack_strands > 0).then(|| SlackNeochord {
             repair,
             name: strung.name.clone(),
@@ -111,7 +114,12 @@ mod tests {
         };
         let middle_mm = report.open_mm.iter().sum::<f64>() / 2.0;
         let half = found(&[neochord(0.3, middle_mm)]);
-        assert_eq!((half[0].strands, half[0].slack_strands), (2, 1), "{:?}", report.open_mm);
+        assert_eq!(
+            (half[0].strands, half[0].slack_strands),
+            (2, 1),
+            "{:?}",
+            report.open_mm
+        );
         assert!(!half[0].is_idle());
     }
 }

@@ -35,6 +35,8 @@ pub struct Alternatives {
     pub criteria: Option<Vec<Criterion>>,
     /// What else is asked for.
     pub asked: Asked,
+    /// Which of the alternatives is the answer of the search; none before it was made, and where it has none.
+    pub found_by_search: Option<usize>,
 }
 
 impl Alternatives {
@@ -144,7 +146,10 @@ fn fold(made: &mut Alternatives) -> Vec<Fault> {
         let repairs = serde_json::to_string(&alternative.repairs).unwrap_or_default();
         if let Some(first) = known.get(&repairs) {
             let place = keys.last().map_or("alternative", String::as_str);
-            let message = format!("makes of `{}` what `{first}` is; it is closed once", alternative.name);
+            let message = format!(
+                "makes of `{}` what `{first}` is; it is closed once",
+                alternative.name
+            );
             repeated.push(Fault::warning(place, message));
             continue;
         }
@@ -171,6 +176,7 @@ fn alternatives(document: Document, files: &mut Files) -> Alternatives {
         keys: Vec::new(),
         criteria: document.criteria,
         asked: document.asked,
+        found_by_search: None,
     };
     let common = combinations(document.common, files);
     for block in document.blocks {

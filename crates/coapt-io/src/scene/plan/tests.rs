@@ -67,14 +67,24 @@ fn what_is_there_twice_is_closed_once_and_told() {
     let text = format!("[[alternative]]\n{RING}size_mm = [28, 30, 28.0, 28]\n");
     let (made, told) = read(&text, 2);
     assert_eq!(sizes(&made), [[28.0], [30.0]]);
-    let again = |value: &str| format!("p.toml:7: alternative[0].repair[0].size_mm has {value} again; it is closed once");
+    let again = |value: &str| {
+        format!("p.toml:7: alternative[0].repair[0].size_mm has {value} again; it is closed once")
+    };
     assert_eq!(told, [again("28.0"), again("28")]);
     let goal = "[search]\nalternative = 1\nkey = \"size_mm\"\nfrom = 36\nto = 26\ntolerance = 0.1\nmeasure = \"orifice\"\nat_most = 8\n";
-    let text = format!("[[alternative]]\n{RING}size_mm = [28, 30]\n[[alternative]]\nname = \"b\"\n{RING}size_mm = 30\n{goal}");
+    let text = format!(
+        "[[alternative]]\n{RING}size_mm = [28, 30]\n[[alternative]]\nname = \"b\"\n{RING}size_mm = 30\n{goal}"
+    );
     let (made, told) = read(&text, 10);
     assert_eq!((sizes(&made), made.keys.len()), (vec![vec![28.0], vec![30.0]], 2));
-    assert_eq!(made.asked.search.map(|search| search.place).as_deref(), Some("alternative[1].repair[0]"));
-    assert_eq!(told, ["p.toml:10: alternative[1].repair[0]: makes of `b` what `ring 30` is; it is closed once"]);
+    assert_eq!(
+        made.asked.search.map(|search| search.place).as_deref(),
+        Some("alternative[1].repair[0]")
+    );
+    assert_eq!(
+        told,
+        ["p.toml:10: alternative[1].repair[0]: makes of `b` what `ring 30` is; it is closed once"]
+    );
     let (made, told) = read(&format!("[[alternative]]\n{RING}size_mm = [28, 30]\n"), 10);
     assert_eq!((made.alternatives.len(), told.len()), (2, 0));
 }
