@@ -13,7 +13,7 @@ use crate::plan::tests::{compared_with, report as plan_report};
 use crate::plan::text::{LIKELY, OPEN};
 use crate::plan::{PlanReport, Sampled, SearchReport, below, rates_of, write_plan};
 use crate::report::tests::closure_of;
-use crate::report::{Closure, Report, write_results};
+use crate::report::{Closure, GRASP, Report, write_results};
 
 /// A folder of its own for each test, gone with it.
 struct Folder(PathBuf);
@@ -81,7 +81,7 @@ fn a_page_shows_what_was_written() {
     assert!(html.contains("&lt;/script&gt;&lt;b&gt;&amp;"));
     let area = format!("{:.1}", after.measures.coaptation.area_mm2);
     assert!(html.contains(&format!(">{area}<")), "{area}");
-    assert!(html.contains("esearch use, not a medical device"));
+    assert!(html.contains("esearch use, not a medical device") && html.contains(MIDDLE_SURFACES));
     assert!(!html.contains("{{"), "a place of the page was not filled");
     assert_eq!(html, page_html(&read_page(folder.path(), 30).unwrap()).unwrap());
 }
@@ -256,7 +256,7 @@ fn a_plan_tells_on_its_page_what_its_text_tells() {
     assert!(html.contains(sought));
     assert!(html.contains("<td>0.450</td><td>9.000</td><td class=\"name\">NOT CERTIFIED</td>"));
     assert!(html.contains("mean gradient, at most [mmHg]"));
-    for note in [LIKELY, OPEN] {
+    for note in [LIKELY, OPEN, GRASP] {
         assert!(text.contains(note) && html.contains(note), "{note}");
     }
 }

@@ -1,4 +1,4 @@
-//! Lines below the row of a closed valve: neochordae that are slack, the open valve, what flows back, an ensemble, rates.
+//! Lines below the row of a closed valve: the ring as it lies, neochordae that are slack, the open valve, what flows back, an ensemble, rates.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use coapt::plan::ensemble::SEALED_BELOW_MM2;
 
 use super::words::{Words, words};
 use super::{Closed, Open, Rate, Sampled, Sensitivities};
-use crate::report::{NOT_CERTIFIED, SLACK, number, reasons, slack_line};
+use crate::report::{NOT_CERTIFIED, SLACK, extent_words, number, reasons, slack_line};
 
 /// All lines of a closed valve; `before` is the valve as it is, for one after repair.
 pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
@@ -21,6 +21,12 @@ pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
             number(rounded, 0)
         ));
     }
+    lines.extend(
+        closed
+            .ring_laid
+            .as_ref()
+            .map(|laid| format!("ring as laid: {}", extent_words(laid))),
+    );
     let slack = closed.slack_neochordae.iter();
     lines.extend(slack.map(|slack| format!("{SLACK}: {}", slack_line(slack))));
     let open_before = before.and_then(|before| before.diastole.as_ref());

@@ -2,11 +2,13 @@
 
 use coapt::model::Model;
 use coapt::plan::{
-    Alternative, Comparison, Progress, Row, Settings, Watch, compare_watched, summaries, wrong_input,
+    Alternative, Comparison, Progress, Refusal, Row, Settings, Watch, apply_all, compare_watched, summaries,
+    wrong_input,
 };
 use coapt::scene::{Fault, Readable};
 use rayon::prelude::*;
 
+use super::search::check;
 use super::words::rounded;
 use super::{PlanFile, PlanReport, SearchReport, found, in_plan, rates_of};
 use crate::scene::{Alternatives, Search, located};
@@ -43,6 +45,11 @@ pub fn carry_out(
     if !wrong.is_empty() {
         return Err(wrong);
     }
+    // Before anything is announced.
+    let refusals = refusals(model, plan);
+    if refusals.len() == plan.alternatives.len() {
+        return Err(all_faults(file, plan, &refusals));
+    }
     let asked = plan.asked.clone();
     // First: it may be refused.
     let search = match &asked.search {
@@ -52,6 +59,7 @@ pub fn carry_out(
                 let located = |fault| located(file.name, file.text, fault);
                 faults.iter().map(located).collect()
             };
+            check(model, sought).map_err(told)?;
             staged(on_stage, Stage::Search, work).transpose().map_err(told)?
         }
         None => None,
@@ -72,9 +80,6 @@ pub fn carry_out(
         return Err(vec![Fault::error(file.name, "was not carried out")]);
     };
     let mut report = PlanReport::new(model, file, plan, &comparison, warnings);
-    if report.all_refused() {
-        return Err(all_faults(file, plan, &comparison));
-    }
     report.search = search;
     if let Some(sampling) = &asked.sampling {
         let samples = Stage::Samples(sampling.samples as usize * (sampling.count(&comparison) + 1));
@@ -166,12 +171,21 @@ fn wrong_inputs(model: &Model, file: PlanFile, plan: &Alternatives) -> Vec<Fault
     told_once(file, keyed)
 }
 
-/// Why none could be carried out.
-fn all_faults(file: PlanFile, plan: &Alternatives, comparison: &Comparison) -> Vec<Fault> {
-    let refused = comparison.rows.iter().filter_map(|row| {
-        let refusal = row.result.as_ref().err()?;
-        Some((&plan.keys[row.alternative][refusal.repair], refusal))
+/// Why alternatives cannot be carried out, each with its number, up to the first that can.
+fn refusals(model: &Model, plan: &Alternatives) -> Vec<(usize, Refusal)> {
+    let numbered = plan.alternatives.iter().enumerate();
+    let refusals = numbered.map_while(|(number, alternative)| {
+        let refusal = apply_all(model, &alternative.repairs).err()?;
+        Some((number, refusal))
     });
+    refusals.collect()
+}
+
+/// Why none can be carried out.
+fn all_faults(file: PlanFile, plan: &Alternatives, refusals: &[(usize, Refusal)]) -> Vec<Fault> {
+    let refused = refusals
+        .iter()
+        .map(|(number, refusal)| (&plan.keys[*number][refusal.repair], refusal));
     let keyed = refused.flat_map(|(key, refusal)| {
         let faults = refusal.faults.iter();
         faults.map(move |fault| (key.as_str(), fault))

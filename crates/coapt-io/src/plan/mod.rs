@@ -24,6 +24,7 @@ use coapt::measure::{Measures, SlackNeochord, ValveFrame, valve_frame};
 use coapt::model::Model;
 use coapt::plan::{Alternative, Comparison, Criterion, Outcome};
 use coapt::relax::Status;
+use coapt::repair::{Report, RingExtent};
 use coapt::scene::{Contact, Fault, MMHG_MPA, Repair, Settings};
 use serde::{Deserialize, Serialize};
 
@@ -159,6 +160,9 @@ pub struct Closed {
     pub measures: Measures,
     /// What its anatomic orifice would let back in a beat, from a sharp to a rounded one [mL]: an estimate.
     pub regurgitant_volume_ml: [f64; 2],
+    /// How large the ring is where it lies, along its own axes; absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ring_laid: Option<RingExtent>,
     /// Neochordae that hold nothing back, or of which some strands do not, each with the number of its repair from 0; of a certified
     /// shape only. With nothing but such a neochord, the row is the valve as it was.
     #[serde(default)]
@@ -181,6 +185,14 @@ impl Closed {
             Criterion::DiastolicOrifice => self.diastole.as_ref()?.area_mm2,
             _ => criterion.value(&self.measures, None),
         }
+    }
+}
+
+impl Row {
+    /// Whether the leaflets of a closed valve are joined edge to edge.
+    pub(crate) fn joins_edges(&self) -> bool {
+        let joins = |repair: &Repair| matches!(repair, Repair::Clip(_) | Repair::Alfieri(_));
+        self.closed.is_some() && self.repairs.iter().any(joins)
     }
 }
 
@@ -261,11 +273,6 @@ impl PlanReport {
             .all(|closed| closed.solve.certified && is_open(closed))
     }
 
-    /// Whether no alternative could be carried out.
-    pub fn all_refused(&self) -> bool {
-        self.alternatives.iter().all(|row| row.closed.is_none())
-    }
-
     /// As one JSON object, indented, with a line break at its end.
     ///
     /// # Errors
@@ -335,6 +342,7 @@ fn closed(outcome: &Outcome) -> Closed {
             begun_at: outcome.begun_at.map(|number| number + 1),
         },
         measures: outcome.measures.clone(),
+        ring_laid: outcome.repairs.iter().find_map(laid),
         slack_neochordae: match outcome.is_certified() {
             true => outcome.slack_neochordae.clone(),
             false => Vec::new(),
@@ -343,6 +351,13 @@ fn closed(outcome: &Outcome) -> Closed {
         diastole: outcome.diastole.as_ref().map(Open::new),
         uncertainty: None,
         sensitivities: None,
+    }
+}
+
+fn laid(report: &Report) -> Option<RingExtent> {
+    match report {
+        Report::Ring(ring) => Some(ring.laid),
+        _ => None,
     }
 }
 

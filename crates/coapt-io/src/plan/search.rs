@@ -68,8 +68,7 @@ pub fn found(
     search: &Search,
     watch: &(dyn Fn(&Moment) -> ControlFlow<()> + Sync),
 ) -> Result<SearchReport, Vec<Fault>> {
-    check(model, search).map_err(|fault| vec![fault])?;
-    check_ends(model, search)?;
+    check(model, search)?;
     let (sign, least) = match search.bound {
         Bound::AtLeast(least) => (1.0, least),
         Bound::AtMost(most) => (-1.0, -most),
@@ -107,8 +106,17 @@ pub fn found(
     })
 }
 
-/// Whether there is such a measure: before minutes of work, not after.
-fn check(model: &Model, search: &Search) -> Result<(), Fault> {
+/// What can be said against a search before minutes of work.
+///
+/// # Errors
+/// As [`found`], but for what the values between the ends of the range bring up.
+pub(super) fn check(model: &Model, search: &Search) -> Result<(), Vec<Fault>> {
+    check_measure(model, search).map_err(|fault| vec![fault])?;
+    check_ends(model, search)
+}
+
+/// Whether there is such a measure.
+fn check_measure(model: &Model, search: &Search) -> Result<(), Fault> {
     let open = measure(model, &model.rest_mm, &[]);
     if measured(&search.measure, &open).is_some() {
         return Ok(());

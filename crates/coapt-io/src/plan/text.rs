@@ -6,7 +6,7 @@ use coapt::plan::Criterion;
 
 use super::words::{Words, ranking, words};
 use super::{AnatomicLimit, Closed, PlanReport, Row, Trust, below, search};
-use crate::report::{NOT_CERTIFIED, WIDTH, is_zero, line, number, reasons, wrapped};
+use crate::report::{GRASP, NOT_CERTIFIED, WIDTH, is_zero, line, number, reasons, wrapped};
 
 /// Columns: place, name, and for each measure its value and its change.
 const RANK: usize = 4;
@@ -199,6 +199,9 @@ fn notes(out: &mut String, report: &PlanReport) {
     out.push('\n');
     if report.before.diastole.is_some() {
         line(out, "open orifice", OPEN);
+    }
+    if report.alternatives.iter().any(Row::joins_edges) {
+        line(out, "coaptation", GRASP);
     }
     let closed = report.alternatives.iter().filter_map(|row| row.closed.as_ref());
     let warm = closed.filter(|closed| closed.solve.begun_at.is_some()).count();

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use coapt::relax::Status;
 use coapt::scene::{Readable, Settings};
 
-use super::repairs::{repair_line, slack_line};
+use super::repairs::{joins_edges, repair_line, slack_line};
 use super::rows::{TableRow, rows};
 use super::{LeftOutReport, Report, Solve, UntangledReport};
 use crate::escape::escaped;
@@ -63,6 +63,10 @@ pub fn text(report: &Report) -> String {
         );
     }
     table(&mut out, report);
+    if report.repairs.iter().any(joins_edges) {
+        out.push('\n');
+        line(&mut out, "coaptation", GRASP);
+    }
     if !report.warnings.is_empty() {
         out.push('\n');
         for warning in &report.warnings {
@@ -75,6 +79,10 @@ pub fn text(report: &Report) -> String {
 
 /// What stands beside figures of a shape that is not certified, and before why it is not.
 pub(crate) const NOT_CERTIFIED: &str = "NOT CERTIFIED";
+
+/// What coaptation of valves that are joined edge to edge is not.
+pub(crate) const GRASP: &str = "what a clip grasps or stitches hold counts as coaptation: at the joint, as at A2-P2, lengths are in part the grasp's, \
+     and do not tell how the leaflets meet beside it";
 
 /// What stands before a neochord that holds nothing back.
 pub(crate) const SLACK: &str = "SLACK";
@@ -302,6 +310,8 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("\nSutures and clips"), "{text}");
+        let note = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(note.contains(&format!("coaptation: {GRASP}")), "{text}");
         assert!(
             text.contains("repair: clip A2P2: arms 9 mm long and 4 mm wide"),
             "{text}"
@@ -345,6 +355,7 @@ mod tests {
     fn what_is_not_certified_says_why() {
         let mut report = Report::new(&closure_of("physio-like:28"));
         assert!(!text(&report).contains("NOT CERTIFIED"), "{}", text(&report));
+        assert!(!text(&report).contains("clip grasps"), "{}", text(&report));
         spoil(&mut report.before.solve);
         let text = text(&report).split_whitespace().collect::<Vec<_>>().join(" ");
         for reason in ["iteration limit", "not stable", "cross at 3 edges"] {

@@ -2,9 +2,11 @@
 
 use std::fmt::Write;
 
+use serde_json::Value;
+
 use super::{readable, word};
 use crate::page::{Page, PageState};
-use crate::report::{NOT_CERTIFIED, TableRow, is_zero};
+use crate::report::{GRASP, NOT_CERTIFIED, TableRow, is_zero};
 
 pub(super) fn choices(page: &Page) -> String {
     if page.states.len() < 2 {
@@ -80,7 +82,22 @@ pub(super) fn measures(page: &Page) -> String {
         }
         out += &measure(place, row, after.is_some(), trusted);
     }
-    out + "</tbody></table></div>"
+    out += "</tbody></table></div>";
+    if joins_edges(&page.report) {
+        let _ = write!(out, "\n<p class=\"words\">Coaptation: {}.</p>", word(GRASP));
+    }
+    out
+}
+
+/// Whether a clip or stitches hold leaflets together in what the page shows.
+fn joins_edges(report: &Value) -> bool {
+    let alternatives = report["alternatives"].as_array().into_iter().flatten();
+    let closed = alternatives.filter(|row| row["solve"].is_object());
+    let repairs = std::iter::once(report)
+        .chain(closed)
+        .filter_map(|told| told["repairs"].as_array());
+    let mut kinds = repairs.flatten().map(|repair| &repair["kind"]);
+    kinds.any(|kind| kind == "clip" || kind == "alfieri")
 }
 
 /// What stands below the heading of a column whose figures are no results.

@@ -18,7 +18,7 @@ mod verdicts;
 
 use quick_xml::escape::escape;
 
-use super::Page;
+use super::{MIDDLE_SURFACES, Page};
 use crate::plan::Trust;
 use crate::report::{number, reasons};
 
@@ -45,6 +45,7 @@ pub(super) fn fill(page: &Page, data: &str) -> String {
             "alternatives",
             alternatives::alternatives(page) + &beside::beside(page) + &search::search(page),
         ),
+        ("middle_surfaces", MIDDLE_SURFACES.to_owned()),
         ("trust", trust::trust(page)),
         ("report", word(&report)),
         ("data", data.to_owned()),

@@ -152,6 +152,27 @@ fn neochordae_that_hold_nothing_back_are_told() {
     assert!(!text(&self::report(&compared)).contains("SLACK"));
 }
 
+/// A ring is told by its own figures below its row and in the files: those of the annulus do not let its size be recognised.
+#[test]
+fn the_ring_is_told_as_it_lies() {
+    let report = report(&compared());
+    let row = report.alternatives.iter().find(|row| row.number == 1).unwrap();
+    let closed = row.closed.as_ref().unwrap();
+    let laid = closed.ring_laid.unwrap();
+    assert!(
+        (laid.width_mm - 28.0).abs() < 0.1 && closed.measures.annulus.commissural_mm < 26.0,
+        "{laid:?}"
+    );
+    let told = text(&report);
+    assert!(told.contains("      ring as laid: 28.0 mm across and "), "{told}");
+    assert_eq!(report.before.ring_laid, None);
+    let head = csv(&report).lines().next().unwrap().to_owned();
+    assert!(
+        head.contains(",ring_laid.depth_mm,ring_laid.height_mm,ring_laid.width_mm,"),
+        "{head}"
+    );
+}
+
 /// Before and the best have an ensemble, in words, in JSON and in CSV; what is not counted is told.
 #[test]
 fn ensembles_are_told_as_a_surgeon_reads_them() {
