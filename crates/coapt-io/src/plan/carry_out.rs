@@ -5,11 +5,10 @@ use coapt::plan::{
     Alternative, Comparison, Progress, Refusal, Row, Settings, Watch, apply_all, compare_watched, summaries,
     wrong_input,
 };
-use coapt::scene::{Fault, Readable};
+use coapt::scene::Fault;
 use rayon::prelude::*;
 
-use super::search::check;
-use super::words::rounded;
+use super::search::{check, shown};
 use super::{PlanFile, PlanReport, SearchReport, found, in_plan, rates_of};
 use crate::scene::{Alternatives, Search, located};
 
@@ -109,11 +108,7 @@ fn add_answer(plan: &mut Alternatives, sought: &Search, found: &SearchReport) {
         let kind = serde_json::to_value(&sought.repairs[sought.repair]).unwrap_or_default();
         let kind = kind["kind"].as_str().unwrap_or("repair").to_owned();
         plan.alternatives.push(Alternative {
-            name: format!(
-                "search: {kind} {} {}",
-                sought.key,
-                Readable(rounded(answer.value))
-            ),
+            name: format!("search: {kind} {} {}", sought.key, shown(answer.value)),
             repairs: found.repairs.clone(),
         });
         plan.keys.push(sought.places.clone());

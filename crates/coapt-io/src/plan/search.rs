@@ -219,7 +219,7 @@ pub(crate) fn tried(report: &SearchReport) -> impl Iterator<Item = [String; 3]> 
 const COLUMN: usize = 10;
 
 /// A value to three digits behind the point.
-fn shown(value: f64) -> String {
+pub(super) fn shown(value: f64) -> String {
     number(value, 3)
 }
 

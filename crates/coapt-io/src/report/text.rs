@@ -347,7 +347,7 @@ mod tests {
             "{told}"
         );
         assert_eq!(slack.slack_neochordae.len(), 1);
-        let taut = at(10.0);
+        let taut = at(6.0);
         assert!(!text(&taut).contains("SLACK") && taut.slack_neochordae.is_empty());
     }
 

@@ -373,7 +373,7 @@ fn the_answer_of_a_search_has_a_row() {
         .find(|row| row.found_by_search)
         .unwrap();
     assert_eq!((report.alternatives.len(), row.number), (2, 2));
-    assert_eq!(row.name, format!("search: ring size_mm {}", answer.value));
+    assert_eq!(row.name, format!("search: ring size_mm {:.3}", answer.value));
     let closed = row.closed.as_ref().unwrap();
     // Closed again from the open valve, to the same bits.
     assert_eq!(closed.measures.coaptation.length_a2p2_mm, answer.measured);
