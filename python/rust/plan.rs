@@ -128,7 +128,7 @@ fn carry_out(
     max_alternatives: u64,
     (stop, count): (&Stop, &Count),
 ) -> Result<Done, Vec<Fault>> {
-    let (plan, more) = alternatives_from_text(Path::new(&text.name), &text.text, max_alternatives)?;
+    let (mut plan, more) = alternatives_from_text(Path::new(&text.name), &text.text, max_alternatives)?;
     let warnings: Vec<Fault> = built.warnings.iter().cloned().chain(more).collect();
     let on_stage = |stage, work: &mut dyn FnMut(Watch)| {
         let is_counted = match stage {
@@ -149,7 +149,7 @@ fn carry_out(
     let (report, comparison) = plan::carry_out(
         &built.model,
         text.file(),
-        &plan,
+        &mut plan,
         keep_shapes,
         &warnings,
         &on_stage,

@@ -101,7 +101,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         let (report, comparison) = carry_out(
             &model,
             file,
-            &alternatives,
+            &mut alternatives,
             arguments.shapes,
             &warnings,
             &on_stage,

@@ -73,7 +73,7 @@ class Coaptation:
     length_max_mm : float
         The same, at its largest [mm].
     length_a2p2_mm : float
-        The same at A2-P2 [mm]; 0 where nothing touches there.
+        The same at A2-P2 [mm]; 0 where nothing touches there. A clip's grasp and stitches count.
     closure_line_mm : float
         Length of the line of closure [mm].
     contact_depth_mm : float
@@ -102,7 +102,7 @@ class Orifice:
     count : int
         Number of holes.
     max_gap_mm : float
-        The widest a hole gapes [mm].
+        How wide the widest hole gapes [mm], on the side where a margin is nearer to the other leaflet; nothing of its length.
     """
 
     area_mm2: float

@@ -291,6 +291,33 @@ fn a_patch_adds_its_area_and_nothing_else() {
     }
 }
 
+/// A patch wider than the leaflet is high there is doubted, with both figures; one that is not is not.
+#[test]
+fn a_patch_larger_than_the_leaflet_is_doubted() {
+    let model = preset(Preset::Dilated);
+    let mut seen = [false; 2];
+    for width_mm in [8.0, 10.0, 16.0, 20.0] {
+        let repaired = done(&model, &augment(width_mm, 30.0));
+        let Report::Augment(report) = &repaired.report else {
+            panic!("{:?}", repaired.report)
+        };
+        let is_larger = width_mm > report.leaflet_height_mm;
+        seen[usize::from(is_larger)] = true;
+        let told: Vec<String> = repaired
+            .warnings
+            .iter()
+            .map(|fault| format!("{} {}", fault.place, fault.message))
+            .collect();
+        let start = format!(
+            "augment.width_mm is {width_mm} mm, more than the {:.1} mm",
+            report.leaflet_height_mm
+        );
+        assert_eq!(told.len(), usize::from(is_larger), "{width_mm}: {told:?}");
+        assert!(told.iter().all(|told| told.starts_with(&start)), "{told:?}");
+    }
+    assert_eq!(seen, [true; 2]);
+}
+
 #[test]
 fn patches_that_cannot_be_are_refused() {
     let model = preset(Preset::Dilated);

@@ -215,6 +215,17 @@ fn wrong_plans_are_status_2_with_their_lines() {
         !told.contains("commissure;") && !told.contains("closures"),
         "{told}"
     );
+    // Where this valve allows none of them, nothing is closed either, nor said to be.
+    let clips = "[[alternative]]\n[[alternative.repair]]\nkind = \"clip\"\nposition = [0.02, 0.98]\n";
+    let none = plan(&folder, "none.toml", clips);
+    let output = coapt(&["plan", "dilated", &none]);
+    assert_eq!(output.status.code(), Some(2), "{}", stdout(&output));
+    let told = stderr(&output);
+    assert!(
+        told.contains("none.toml:6: alternative[0].repair[0].position"),
+        "{told}"
+    );
+    assert!(!told.contains("closures") && stdout(&output).is_empty(), "{told}");
     let two = plan(&folder, "two.toml", &format!("{RING}size_mm = [28, 30]\n"));
     let output = coapt(&["closure", "dilated", "--plan", &two]);
     assert_eq!(output.status.code(), Some(2));
@@ -325,6 +336,7 @@ fn a_search_for_what_is_not_measured_is_status_2_with_its_line() {
     let goal = "[search]\nalternative = 0\nkey = \"size_mm\"\nfrom = 36\nto = 24\ntolerance = 0.1\nmeasure = \"coaptation/length\"\nat_least = 8\n";
     let file = plan(&folder, "plan.toml", &format!("{RING}size_mm = 30\n{goal}"));
     let output = coapt(&["plan", "dilated", &file]);
+    assert!(!stderr(&output).contains("search in "), "{}", stderr(&output));
     assert_eq!(output.status.code(), Some(2), "{}", stdout(&output));
     assert!(
         stderr(&output)

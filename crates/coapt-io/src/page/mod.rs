@@ -35,6 +35,9 @@ pub use read::{RECORDING, add_film, read_page};
 /// the page stays small enough to be passed on).
 pub const SHOWN_ALTERNATIVES: usize = 30;
 
+/// Stands below every drawing of a closed valve.
+pub(crate) const MIDDLE_SURFACES: &str = "Leaflets are drawn by their middle surface: in contact they lie one thickness apart, so that closed slits stay to be seen.";
+
 /// Everything that a page shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use coapt::measure::SlackNeochord;
 use coapt::plan::Comparison;
 use coapt::plan::ensemble::{Interval, Probability};
 use coapt::relax::Status;
@@ -12,7 +13,7 @@ use crate::plan::tests::{compared_with, report as plan_report};
 use crate::plan::text::{LIKELY, OPEN};
 use crate::plan::{PlanReport, Sampled, SearchReport, Shapes, below, rates_of, write_plan};
 use crate::report::tests::closure_of;
-use crate::report::{Closure, Report, write_results};
+use crate::report::{Closure, GRASP, Report, write_results};
 
 /// A folder of its own for each test, gone with it.
 struct Folder(PathBuf);
@@ -80,7 +81,7 @@ fn a_page_shows_what_was_written() {
     assert!(html.contains("&lt;/script&gt;&lt;b&gt;&amp;"));
     let area = format!("{:.1}", after.measures.coaptation.area_mm2);
     assert!(html.contains(&format!(">{area}<")), "{area}");
-    assert!(html.contains("esearch use, not a medical device"));
+    assert!(html.contains("esearch use, not a medical device") && html.contains(MIDDLE_SURFACES));
     assert!(!html.contains("{{"), "a place of the page was not filled");
     assert_eq!(html, page_html(&read_page(folder.path(), 30).unwrap()).unwrap());
 }
@@ -254,9 +255,36 @@ fn a_plan_tells_on_its_page_what_its_text_tells() {
     assert!(html.contains(sought));
     assert!(html.contains("<td>0.450</td><td>9.000</td><td class=\"name\">NOT CERTIFIED</td>"));
     assert!(html.contains("mean gradient, at most [mmHg]"));
-    for note in [LIKELY, OPEN] {
+    for note in [LIKELY, OPEN, GRASP] {
         assert!(text.contains(note) && html.contains(note), "{note}");
     }
+}
+
+/// A valve that seals by hardly opening is marked in its row, and a neochord that holds nothing back in its list; no gradient is told.
+#[test]
+fn what_hardly_opens_is_marked_on_the_page() {
+    let folder = Folder::new("narrow");
+    let (_, html) = plan_page(folder.path(), |comparison| {
+        let outcome = comparison.rows[0].result.as_mut().unwrap();
+        let open = outcome.diastole.as_mut().unwrap();
+        (open.orifice.as_mut().unwrap().area_mm2, open.mean_gradient_mmhg) = (6.0, None);
+        outcome.slack_neochordae = vec![SlackNeochord {
+            repair: 3,
+            name: "neochord <P2>".to_owned(),
+            strands: 2,
+            slack_strands: 1,
+        }];
+    });
+    assert_eq!(
+        html.matches("<span class=\"uncertified\">HARDLY OPENS</span></td>")
+            .count(),
+        1
+    );
+    let html = plain(&html);
+    assert!(html.contains("HARDLY OPENS: through 6 mm², under 50, no gradient is told</li>"));
+    assert!(html.contains(
+        "<li>SLACK: repair[3], neochord <P2>: 1 of 2 strands bear less than 0.01 N in the closed valve</li>"
+    ));
 }
 
 /// Figures of a valve as it is that is not certified must not look like results: they are marked, and nothing has changed from them.

@@ -12,8 +12,8 @@ use png::{BitDepth, ColorType, Encoder};
 
 use crate::atomic::Batch;
 use crate::page::geometry::{Geometry, curve};
-use crate::page::geometry_of;
-use crate::report::{Closed, Closure, NOTICE, ring_curves};
+use crate::page::{MIDDLE_SURFACES, geometry_of};
+use crate::report::{Closed, Closure, NOT_CERTIFIED, NOTICE, ring_curves};
 use canvas::{Canvas, INK, LETTER_WIDTH};
 use colours::{Colouring, UNCERTIFIED};
 use view::{Direction, drawn};
@@ -35,7 +35,7 @@ pub struct Shown<'a> {
 const VIEW: [usize; 2] = [480, 400];
 
 const HEAD: usize = 28;
-const FOOT: usize = 62;
+const FOOT: usize = 80;
 
 /// A picture of some valves in one frame, a row for each: from the atrium with the aorta on top, and from the side with the atrium on top and
 /// the aorta to the right. Equal valves give equal bytes.
@@ -133,8 +133,8 @@ fn composed(frame: &ValveFrame, valves: &[Shown], quantity: Quantity) -> Canvas 
             whole.place([column * width, top + HEAD], &view);
         }
         let (trust, colour) = match valve.certified {
-            true => ("certified", INK),
-            false => ("NOT CERTIFIED: no prediction", UNCERTIFIED),
+            true => ("certified".to_owned(), INK),
+            false => (format!("{NOT_CERTIFIED}: no prediction"), UNCERTIFIED),
         };
         // What is trusted must be seen whole; the name need not.
         let room = (width - 16) / LETTER_WIDTH - trust.len() - 2;
@@ -146,7 +146,7 @@ fn composed(frame: &ValveFrame, valves: &[Shown], quantity: Quantity) -> Canvas 
     whole
 }
 
-/// Colours, scale and what the picture is not for.
+/// Colours, scale, what the picture is not for, and why what is closed does not look so.
 fn foot(whole: &mut Canvas, colouring: &Colouring, reach_mm: f64) {
     let top = whole.height - FOOT + 6;
     const BAR: usize = 220;
@@ -160,6 +160,7 @@ fn foot(whole: &mut Canvas, colouring: &Colouring, reach_mm: f64) {
     whole.words([right, top + 15], &high, INK);
     whole.words([8 + BAR + 12, top - 2], colouring.title(), INK);
     whole.words([8 + BAR + 12, top + 15], NOTICE, INK);
+    whole.words([8, top + 33], MIDDLE_SURFACES, INK);
     let scale = (10.0 * view::pixels_per_mm(reach_mm, VIEW)).round() as usize;
     let left = whole.width.saturating_sub(scale + 12);
     whole.rectangle([left, top + 6], [scale, 3], INK);

@@ -50,7 +50,7 @@ fn a_picture_shows_the_valve() {
         .unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut pixels).unwrap();
-    assert_eq!([info.width, info.height], [960, 2 * (400 + 28) + 62]);
+    assert_eq!([info.width, info.height], [960, 2 * (400 + 28) + 80]);
     let is_ink = |x: usize, y: usize| pixels[3 * (y * 960 + x)..][..3] != [255; 3];
     // The middles of the four views lie on leaflets; the valve reaches nowhere near a view's corner.
     for [x, y] in [[240, 228], [720, 228], [240, 656], [720, 656]] {
@@ -59,6 +59,15 @@ fn a_picture_shows_the_valve() {
     assert!(!is_ink(470, 35) && !is_ink(5, 420));
     let ink = (0..428 * 960).filter(|at| is_ink(at % 960, at / 960)).count();
     assert!(ink > 428 * 960 / 10, "{ink} pixels");
+    // Below both views it is said that middle surfaces are drawn, in a line of its own that ends within the picture.
+    let end = 8 + LETTER_WIDTH * MIDDLE_SURFACES.chars().count();
+    assert!(end <= 960 && MIDDLE_SURFACES.is_ascii());
+    let line = 2 * (400 + 28) + 6 + 33;
+    let written = |from: usize, to: usize| (from..to).any(|x| (line..line + 16).any(|y| is_ink(x, y)));
+    assert!(
+        written(8, 40) && written(end - 40, end) && !written(end, 960),
+        "{end}"
+    );
     // What is not certified is seen to be so.
     let is_red = |bytes: &[u8]| {
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))

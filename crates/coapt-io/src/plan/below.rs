@@ -1,12 +1,14 @@
-//! Lines below the row of a closed valve: the open valve, what flows back, an ensemble, rates.
+//! Lines below the row of a closed valve: the ring as it lies, neochordae that are slack, the open valve, what flows back, an ensemble, rates.
 
 use std::collections::BTreeMap;
 
+use coapt::measure::flow::HARDLY_OPENS_MM2;
 use coapt::plan::Criterion;
 use coapt::plan::ensemble::SEALED_BELOW_MM2;
 
+use super::words::{Words, words};
 use super::{Closed, Open, Rate, Sampled, Sensitivities};
-use crate::report::{number, reasons};
+use crate::report::{NOT_CERTIFIED, SLACK, extent_words, number, reasons, slack_line};
 
 /// All lines of a closed valve; `before` is the valve as it is, for one after repair.
 pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
@@ -19,6 +21,14 @@ pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
             number(rounded, 0)
         ));
     }
+    lines.extend(
+        closed
+            .ring_laid
+            .as_ref()
+            .map(|laid| format!("ring as laid: {}", extent_words(laid))),
+    );
+    let slack = closed.slack_neochordae.iter();
+    lines.extend(slack.map(|slack| format!("{SLACK}: {}", slack_line(slack))));
     let open_before = before.and_then(|before| before.diastole.as_ref());
     lines.extend(closed.diastole.as_ref().map(|open| of_open(open, open_before)));
     lines.extend(closed.uncertainty.as_ref().map(of_sampled).unwrap_or_default());
@@ -26,10 +36,13 @@ pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
     lines
 }
 
+/// What stands beside a valve that seals by hardly opening, whatever its rank.
+pub(crate) const HARDLY_OPENS: &str = "HARDLY OPENS";
+
 fn of_open(open: &Open, before: Option<&Open>) -> String {
     let (Some(openings), Some(area_mm2)) = (&open.openings_mm2, open.area_mm2) else {
         let reasons = reasons(open.status, open.stable, open.crossings);
-        return format!("open valve NOT CERTIFIED: {reasons}");
+        return format!("open valve {NOT_CERTIFIED}: {reasons}");
     };
     let areas: Vec<String> = openings.iter().map(|area_mm2| number(*area_mm2, 0)).collect();
     let openings = match &areas[..] {
@@ -37,9 +50,14 @@ fn of_open(open: &Open, before: Option<&Open>) -> String {
         [_] => "1 opening".to_owned(),
         _ => format!("{} openings of {} mm²", areas.len(), areas.join(", ")),
     };
-    let gradient = open.mean_gradient_mmhg.map_or(String::new(), |mmhg| {
-        format!("; mean gradient at most {} mmHg", number(mmhg, 1))
-    });
+    let gradient = match (open.hardly_opens, open.mean_gradient_mmhg) {
+        (Some(true), _) => format!(
+            "; {HARDLY_OPENS}: through {} mm², under {HARDLY_OPENS_MM2}, no gradient is told",
+            number(area_mm2, 0)
+        ),
+        (_, Some(mmhg)) => format!("; mean gradient at most {} mmHg", number(mmhg, 1)),
+        (_, None) => String::new(),
+    };
     let left = match before.and_then(|before| before.area_mm2) {
         Some(before_mm2) if before_mm2 > 0.0 => {
             format!(
@@ -50,18 +68,6 @@ fn of_open(open: &Open, before: Option<&Open>) -> String {
         _ => String::new(),
     };
     format!("open without pressure: {openings}{left}{gradient}")
-}
-
-/// How a criterion is called and written: name, unit as shown, what its value is multiplied by for that, digits.
-fn shown(criterion: Criterion) -> (&'static str, &'static str, f64, usize) {
-    match criterion {
-        Criterion::Orifice => ("orifice", "mm²", 1.0, 1),
-        Criterion::CoaptationLengthA2P2 => ("coaptation at A2-P2", "mm", 1.0, 2),
-        Criterion::CoaptationLength => ("mean coaptation", "mm", 1.0, 2),
-        Criterion::ChordForce => ("largest chord tension", "N", 1.0, 2),
-        Criterion::Strain => ("strain", "%", 100.0, 1),
-        Criterion::DiastolicOrifice => ("orifice without pressure", "mm²", 1.0, 0),
-    }
 }
 
 /// What a surgeon reads: how often it seals, then medians and where nine of ten lie.
@@ -87,10 +93,16 @@ fn of_sampled(sampled: &Sampled) -> Vec<String> {
     ));
     let ranges = Criterion::ALL.into_iter().filter_map(|criterion| {
         let interval = sampled.intervals.get(criterion.name())?;
-        let (name, unit, scale, digits) = shown(criterion);
-        let at = |value: f64| number(scale * value, digits.min(1));
+        let Words {
+            title,
+            unit,
+            factor,
+            digits,
+            ..
+        } = words(criterion);
+        let at = |value: f64| number(factor * value, digits.min(1));
         Some(format!(
-            "{name} {} ({} to {}) {unit}",
+            "{title} {} ({} to {}) {unit}",
             at(interval.median),
             at(interval.low),
             at(interval.high)
@@ -138,13 +150,19 @@ fn unit_of(key: &str) -> Option<(&str, &'static str)> {
 
 fn changes(per_unit: &BTreeMap<String, f64>, step: f64) -> String {
     let told = Criterion::ALL.into_iter().filter_map(|criterion| {
-        let (name, unit, scale, digits) = shown(criterion);
-        let change = number(scale * step * per_unit.get(criterion.name())?, digits);
+        let Words {
+            title,
+            unit,
+            factor,
+            rate_digits,
+            ..
+        } = words(criterion);
+        let change = number(factor * step * per_unit.get(criterion.name())?, rate_digits);
         let sign = match change.starts_with('-') || change.chars().all(|it| matches!(it, '0' | '.')) {
             true => "",
             false => "+",
         };
-        Some(format!("{name} {sign}{change} {unit}"))
+        Some(format!("{title} {sign}{change} {unit}"))
     });
     told.collect::<Vec<_>>().join(", ")
 }

@@ -2,13 +2,15 @@
 
 use coapt::model::Model;
 use coapt::plan::{
-    Alternative, Comparison, Progress, Row, Settings, Watch, compare_watched, summaries, wrong_input,
+    Alternative, Comparison, Progress, Refusal, Row, Settings, Watch, apply_all, compare_watched, summaries,
+    wrong_input,
 };
 use coapt::scene::Fault;
 use rayon::prelude::*;
 
-use super::{PlanFile, PlanReport, found, in_plan, rates_of};
-use crate::scene::{Alternatives, located};
+use super::search::{check, shown};
+use super::{PlanFile, PlanReport, SearchReport, found, in_plan, rates_of};
+use crate::scene::{Alternatives, Search, located};
 
 /// What of a plan is being done; all closures of a stage run side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +26,8 @@ pub enum Stage {
 /// Called with each stage and its work, which it must do once, looking on as it likes.
 pub type OnStage<'a> = &'a dyn Fn(Stage, &mut dyn FnMut(Watch));
 
-/// Does all that a plan asks for. `keep_shapes`: whether the comparison holds closed shapes.
+/// Does all that a plan asks for. `keep_shapes`: whether the comparison holds closed shapes. The answer of a search becomes an alternative
+/// of the plan, unless one of them is it, to be closed and ranked with the others.
 ///
 /// # Errors
 /// What is wrong with alternatives in themselves, of all of them, before anything is closed; a search that cannot be made; why this
@@ -32,7 +35,7 @@ pub type OnStage<'a> = &'a dyn Fn(Stage, &mut dyn FnMut(Watch));
 pub fn carry_out(
     model: &Model,
     file: PlanFile,
-    plan: &Alternatives,
+    plan: &mut Alternatives,
     keep_shapes: bool,
     warnings: &[Fault],
     on_stage: OnStage,
@@ -41,7 +44,12 @@ pub fn carry_out(
     if !wrong.is_empty() {
         return Err(wrong);
     }
-    let asked = &plan.asked;
+    // Before anything is announced.
+    let refusals = refusals(model, plan);
+    if refusals.len() == plan.alternatives.len() {
+        return Err(all_faults(file, plan, &refusals));
+    }
+    let asked = plan.asked.clone();
     // First: it may be refused.
     let search = match &asked.search {
         Some(sought) => {
@@ -50,10 +58,15 @@ pub fn carry_out(
                 let located = |fault| located(file.name, file.text, fault);
                 faults.iter().map(located).collect()
             };
+            check(model, sought).map_err(told)?;
             staged(on_stage, Stage::Search, work).transpose().map_err(told)?
         }
         None => None,
     };
+    if let (Some(sought), Some(found)) = (&asked.search, &search) {
+        add_answer(plan, sought, found);
+    }
+    let plan = &*plan;
     let settings = Settings {
         criteria: plan.ranked_by(),
         keep_positions: keep_shapes || asked.sensitivities,
@@ -66,9 +79,6 @@ pub fn carry_out(
         return Err(vec![Fault::error(file.name, "was not carried out")]);
     };
     let mut report = PlanReport::new(model, file, plan, &comparison, warnings);
-    if report.all_refused() {
-        return Err(all_faults(file, plan, &comparison));
-    }
     report.search = search;
     if let Some(sampling) = &asked.sampling {
         let samples = Stage::Samples(sampling.samples as usize * (sampling.count(&comparison) + 1));
@@ -84,6 +94,25 @@ pub fn carry_out(
         }
     }
     Ok((report, comparison))
+}
+
+/// Makes the answer of a search an alternative, or marks the one that does the same.
+fn add_answer(plan: &mut Alternatives, sought: &Search, found: &SearchReport) {
+    let Some(answer) = &found.answer else {
+        return;
+    };
+    let does_it = |alternative: &Alternative| alternative.repairs == found.repairs;
+    plan.found_by_search = plan.alternatives.iter().position(does_it);
+    if plan.found_by_search.is_none() {
+        plan.found_by_search = Some(plan.alternatives.len());
+        let kind = serde_json::to_value(&sought.repairs[sought.repair]).unwrap_or_default();
+        let kind = kind["kind"].as_str().unwrap_or("repair").to_owned();
+        plan.alternatives.push(Alternative {
+            name: format!("search: {kind} {} {}", sought.key, shown(answer.value)),
+            repairs: found.repairs.clone(),
+        });
+        plan.keys.push(sought.places.clone());
+    }
 }
 
 /// The alternative that is filmed, beside the valve as it is: the one that ranks first. None where nothing has a rank.
@@ -137,12 +166,21 @@ fn wrong_inputs(model: &Model, file: PlanFile, plan: &Alternatives) -> Vec<Fault
     told_once(file, keyed)
 }
 
-/// Why none could be carried out.
-fn all_faults(file: PlanFile, plan: &Alternatives, comparison: &Comparison) -> Vec<Fault> {
-    let refused = comparison.rows.iter().filter_map(|row| {
-        let refusal = row.result.as_ref().err()?;
-        Some((&plan.keys[row.alternative][refusal.repair], refusal))
+/// Why alternatives cannot be carried out, each with its number, up to the first that can.
+fn refusals(model: &Model, plan: &Alternatives) -> Vec<(usize, Refusal)> {
+    let numbered = plan.alternatives.iter().enumerate();
+    let refusals = numbered.map_while(|(number, alternative)| {
+        let refusal = apply_all(model, &alternative.repairs).err()?;
+        Some((number, refusal))
     });
+    refusals.collect()
+}
+
+/// Why none can be carried out.
+fn all_faults(file: PlanFile, plan: &Alternatives, refusals: &[(usize, Refusal)]) -> Vec<Fault> {
+    let refused = refusals
+        .iter()
+        .map(|(number, refusal)| (&plan.keys[*number][refusal.repair], refusal));
     let keyed = refused.flat_map(|(key, refusal)| {
         let faults = refusal.faults.iter();
         faults.map(move |fault| (key.as_str(), fault))

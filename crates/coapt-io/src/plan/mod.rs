@@ -15,15 +15,17 @@ mod more;
 pub(crate) mod search;
 mod table;
 pub(crate) mod text;
+pub(crate) mod words;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use coapt::Vec3;
-use coapt::measure::{Measures, ValveFrame, valve_frame};
+use coapt::measure::{Measures, SlackNeochord, ValveFrame, valve_frame};
 use coapt::model::Model;
 use coapt::plan::{Alternative, Comparison, Criterion, Outcome};
 use coapt::relax::Status;
+use coapt::repair::{Report, RingExtent};
 use coapt::scene::{Contact, Fault, MMHG_MPA, Repair, Settings};
 use serde::{Deserialize, Serialize};
 
@@ -131,6 +133,9 @@ pub struct Row {
     pub rank: Option<usize>,
     /// Whether nothing is done but to tear or cut chordae: what if, and no repair.
     pub only_takes_chordae: bool,
+    /// Whether its repairs are those that the search found: an alternative of the plan, or one made for the answer, which comes after all
+    /// of the plan in their order.
+    pub found_by_search: bool,
     /// Its number in the order of the plan, from 1.
     pub number: usize,
     /// What it is called.
@@ -156,6 +161,13 @@ pub struct Closed {
     pub measures: Measures,
     /// What its anatomic orifice would let back in a beat, from a sharp to a rounded one [mL]: an estimate.
     pub regurgitant_volume_ml: [f64; 2],
+    /// How large the ring is where it lies, along its own axes; absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ring_laid: Option<RingExtent>,
+    /// Neochordae that hold nothing back, or of which some strands do not, each with the number of its repair from 0; of a certified
+    /// shape only. With nothing but such a neochord, the row is the valve as it was.
+    #[serde(default)]
+    pub slack_neochordae: Vec<SlackNeochord>,
     /// The same valve without pressure; absent where it was not asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diastole: Option<Open>,
@@ -174,6 +186,14 @@ impl Closed {
             Criterion::DiastolicOrifice => self.diastole.as_ref()?.area_mm2,
             _ => criterion.value(&self.measures, None),
         }
+    }
+}
+
+impl Row {
+    /// Whether the leaflets of a closed valve are joined edge to edge.
+    pub(crate) fn joins_edges(&self) -> bool {
+        let joins = |repair: &Repair| matches!(repair, Repair::Clip(_) | Repair::Alfieri(_));
+        self.closed.is_some() && self.repairs.iter().any(joins)
     }
 }
 
@@ -254,11 +274,6 @@ impl PlanReport {
             .all(|closed| closed.solve.certified && is_open(closed))
     }
 
-    /// Whether no alternative could be carried out.
-    pub fn all_refused(&self) -> bool {
-        self.alternatives.iter().all(|row| row.closed.is_none())
-    }
-
     /// As one JSON object, indented, with a line break at its end.
     ///
     /// # Errors
@@ -307,6 +322,7 @@ fn row(row: &coapt::plan::Row, plan: &Alternatives, lines: &mut Lines) -> Row {
     Row {
         rank: row.rank,
         only_takes_chordae: row.only_takes_chordae,
+        found_by_search: plan.found_by_search == Some(row.alternative),
         number: row.alternative + 1,
         name: alternative.name.clone(),
         repairs: alternative.repairs.clone(),
@@ -331,10 +347,22 @@ fn closed(outcome: &Outcome) -> Closed {
             begun_at: outcome.begun_at.map(|number| number + 1),
         },
         measures: outcome.measures.clone(),
+        ring_laid: outcome.repairs.iter().find_map(laid),
+        slack_neochordae: match outcome.is_certified() {
+            true => outcome.slack_neochordae.clone(),
+            false => Vec::new(),
+        },
         regurgitant_volume_ml: outcome.regurgitant_volume_ml,
         diastole: outcome.diastole.as_ref().map(Open::new),
         uncertainty: None,
         sensitivities: None,
+    }
+}
+
+fn laid(report: &Report) -> Option<RingExtent> {
+    match report {
+        Report::Ring(ring) => Some(ring.laid),
+        _ => None,
     }
 }
 

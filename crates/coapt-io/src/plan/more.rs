@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use coapt::measure::flow::HARDLY_OPENS_MM2;
 use coapt::model::Model;
 use coapt::plan::ensemble::{Interval, Probability};
 use coapt::plan::{Diastole, Number, Outcome, Rates, Summaries, Summary, rates};
@@ -31,7 +32,10 @@ pub struct Open {
     /// Its openings, the largest first [mm²].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub openings_mm2: Option<Vec<f64>>,
-    /// Mean gradient of a heart at rest through that orifice [mmHg]: an upper estimate.
+    /// Whether the orifice is smaller than the 50 mm² from which a gradient is told ([`HARDLY_OPENS_MM2`]).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardly_opens: Option<bool>,
+    /// Mean gradient of a heart at rest through that orifice [mmHg]: an upper estimate; absent where the valve hardly opens.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_gradient_mmhg: Option<f64>,
 }
@@ -47,6 +51,7 @@ impl Open {
             crossings: diastole.certificate.crossings.len(),
             iterations: diastole.iterations,
             area_mm2: orifice.map(|orifice| orifice.area_mm2),
+            hardly_opens: orifice.map(|orifice| orifice.area_mm2 < HARDLY_OPENS_MM2),
             openings_mm2: orifice.map(|orifice| orifice.openings_mm2.clone()),
             mean_gradient_mmhg: diastole.mean_gradient_mmhg,
         }

@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use super::in_plan;
 use super::table::numbers;
-use crate::report::{line, number};
+use super::words::{measure_words, rounded};
+use crate::report::{NOT_CERTIFIED, line, number};
 use crate::scene::{Bound, Search, nearest, sentence as said, with_number};
 
 /// What was sought and what was found.
@@ -67,8 +68,7 @@ pub fn found(
     search: &Search,
     watch: &(dyn Fn(&Moment) -> ControlFlow<()> + Sync),
 ) -> Result<SearchReport, Vec<Fault>> {
-    check(model, search).map_err(|fault| vec![fault])?;
-    check_ends(model, search)?;
+    check(model, search)?;
     let (sign, least) = match search.bound {
         Bound::AtLeast(least) => (1.0, least),
         Bound::AtMost(most) => (-1.0, -most),
@@ -106,8 +106,17 @@ pub fn found(
     })
 }
 
-/// Whether there is such a measure: before minutes of work, not after.
-fn check(model: &Model, search: &Search) -> Result<(), Fault> {
+/// What can be said against a search before minutes of work.
+///
+/// # Errors
+/// As [`found`], but for what the values between the ends of the range bring up.
+pub(super) fn check(model: &Model, search: &Search) -> Result<(), Vec<Fault>> {
+    check_measure(model, search).map_err(|fault| vec![fault])?;
+    check_ends(model, search)
+}
+
+/// Whether there is such a measure.
+fn check_measure(model: &Model, search: &Search) -> Result<(), Fault> {
     let open = measure(model, &model.rest_mm, &[]);
     if measured(&search.measure, &open).is_some() {
         return Ok(());
@@ -175,46 +184,60 @@ pub(super) fn told(out: &mut String, report: &SearchReport) {
     line(out, "search", &sentence(report));
     let width = report.key.len().max(COLUMN);
     // Writing to a string cannot fail.
-    let _ = writeln!(out, "  {:>width$}  {}", report.key, report.measure);
+    let _ = writeln!(out, "  {:>width$}  {}", report.key, heading(report));
     for [value, measured, mark] in tried(report) {
         let line = format!("  {value:>width$}  {measured:>COLUMN$}  {mark}");
         let _ = writeln!(out, "{}", line.trim_end());
     }
 }
 
+/// What stands over the measured values.
+pub(crate) fn heading(report: &SearchReport) -> String {
+    match measure_words(&report.measure) {
+        (title, "", _) => title,
+        (title, unit, _) => format!("{title} [{unit}]"),
+    }
+}
+
 /// The values tried as cells: value, measure, and what it is.
 pub(crate) fn tried(report: &SearchReport) -> impl Iterator<Item = [String; 3]> {
-    report.tried.iter().map(|tried| {
+    let (_, _, factor) = measure_words(&report.measure);
+    report.tried.iter().map(move |tried| {
         let mark = match (tried.certified, report.answer.as_ref() == Some(tried)) {
-            (false, _) => "NOT CERTIFIED",
+            (false, _) => NOT_CERTIFIED,
             (true, true) => "the answer",
             (true, false) => "",
         };
-        [shown(tried.value), shown(tried.measured), mark.to_owned()]
+        [
+            shown(tried.value),
+            shown(factor * tried.measured),
+            mark.to_owned(),
+        ]
     })
 }
 
 const COLUMN: usize = 10;
 
 /// A value to three digits behind the point.
-fn shown(value: f64) -> String {
+pub(super) fn shown(value: f64) -> String {
     number(value, 3)
 }
 
 /// The answer in a sentence.
 pub(crate) fn sentence(report: &SearchReport) -> String {
     let SearchReport {
-        key,
-        from,
-        to,
-        place,
-        measure,
-        ..
+        key, from, to, place, ..
     } = report;
-    let goal = match (report.at_least, report.at_most) {
-        (Some(least), _) => format!("{measure} of {least} or more"),
-        (_, most) => format!("{measure} of {} or less", most.unwrap_or_default()),
+    let (measure, unit, factor) = measure_words(&report.measure);
+    let bound = |value: f64| {
+        let told = format!("{measure} of {} {unit}", rounded(factor * value));
+        told.trim_end().to_owned()
     };
+    let goal = match (report.at_least, report.at_most) {
+        (Some(least), _) => format!("{} or more", bound(least)),
+        (_, most) => format!("{} or less", bound(most.unwrap_or_default())),
+    };
+    let measured = |tried: &Tried| shown(factor * tried.measured);
     let range = format!("`{key}` of {place} from {from} to {to}");
     let Some(answer) = report.answer else {
         return format!("no {range} that was tried gives {goal} with a certificate");
@@ -227,11 +250,7 @@ pub(crate) fn sentence(report: &SearchReport) -> String {
     let short = match before {
         None => "; it is the first of the range".to_owned(),
         Some(tried) if tried.certified => {
-            format!(
-                "; {}, before it, gives {}",
-                shown(tried.value),
-                shown(tried.measured)
-            )
+            format!("; {}, before it, gives {}", shown(tried.value), measured(tried))
         }
         Some(tried) => format!(
             "; {}, before it, did not close with a certificate",
@@ -243,7 +262,7 @@ pub(crate) fn sentence(report: &SearchReport) -> String {
         Some(tried) if tried.certified => format!(
             "; beyond it the goal is lost again: {} gives {}",
             shown(tried.value),
-            shown(tried.measured)
+            measured(&tried)
         ),
         Some(tried) => format!(
             "; beyond it the goal is lost again: {} did not close with a certificate",
@@ -253,6 +272,6 @@ pub(crate) fn sentence(report: &SearchReport) -> String {
     format!(
         "the first {range} that gives {goal} is {}: it gives {}, certified{short}{lost}",
         shown(answer.value),
-        shown(answer.measured)
+        measured(&answer)
     )
 }

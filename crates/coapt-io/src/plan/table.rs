@@ -10,7 +10,7 @@ use super::{Closed, PlanReport, Row};
 use crate::study::status_name;
 
 const COLUMNS: &str = "number,rank,name,certified,status,reason,residual,iterations,crossings,max_penetration_mm,\
-                       discretisation_mm,begun_at";
+                       discretisation_mm,begun_at,found_by_search";
 
 /// A line per alternative, the best first, after one of number 0 for the valve as it is; columns with their names in the first
 /// line: what tells the alternatives apart, as `ring.size_mm`, then measures by their paths in `plan.json`. What an alternative lacks
@@ -112,13 +112,13 @@ fn cell(value: &Value) -> String {
 fn trust(closed: Option<&Closed>, row: Option<&Row>) -> String {
     let Some(Closed { solve, .. }) = closed else {
         let faults = row.map(|row| row.faults.join("; ")).unwrap_or_default();
-        return format!("false,refused,{},,,,,,", quoted(&faults));
+        return format!("false,refused,{},,,,,,,false", quoted(&faults));
     };
     let no_repair = row
         .filter(|row| row.only_takes_chordae)
         .map(|_| TAKES_CHORDAE.to_owned());
     format!(
-        "{},{},{},{:e},{},{},{},{},{}",
+        "{},{},{},{:e},{},{},{},{},{},{}",
         solve.certified,
         status_name(solve.status),
         quoted(&doubt(solve).or(no_repair).unwrap_or_default()),
@@ -127,7 +127,8 @@ fn trust(closed: Option<&Closed>, row: Option<&Row>) -> String {
         solve.crossings,
         solve.max_penetration_mm,
         solve.discretisation_mm,
-        solve.begun_at.map_or(String::new(), |number| number.to_string())
+        solve.begun_at.map_or(String::new(), |number| number.to_string()),
+        row.is_some_and(|row| row.found_by_search)
     )
 }
 
@@ -138,6 +139,9 @@ fn flat(closed: Option<&Closed>) -> BTreeMap<String, f64> {
     };
     // Has columns of its own.
     whole.remove("solve");
+    // How many there are: their names differ from row to row.
+    let slack = closed.map_or(0, |closed| closed.slack_neochordae.len());
+    whole.insert("slack_neochordae".to_owned(), slack.into());
     numbers(&whole.into())
 }
 

@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
-use coapt::plan::{COAPTATION_TARGET_MM, Criterion, DIASTOLIC_TARGET_MM2};
+use coapt::plan::Criterion;
 
-use super::{AnatomicLimit, Closed, PlanReport, Ranking, Row, Trust, below, search};
-use crate::report::{WIDTH, is_zero, line, number, reasons, wrapped};
+use super::words::{Words, ranking, words};
+use super::{AnatomicLimit, Closed, PlanReport, Row, Trust, below, search};
+use crate::report::{GRASP, NOT_CERTIFIED, WIDTH, is_zero, line, number, reasons, wrapped};
 
 /// Columns: place, name, and for each measure its value and its change.
 const RANK: usize = 4;
@@ -36,7 +37,8 @@ pub fn text(report: &PlanReport) -> String {
         "{} triangles, {} vertices, {} chord segments",
         mesh.faces, mesh.vertices, mesh.chords
     );
-    line(&mut out, "ranked by", &ranking(&report.ranking));
+    let ranked_by = report.ranking.iter().map(|it| (it.criterion, it.bin));
+    line(&mut out, "ranked by", &ranking(ranked_by));
     let columns = columns(report);
     heads(&mut out, &columns);
     values(&mut out, &columns, (None, "before"), &report.before, None);
@@ -74,75 +76,57 @@ fn counted(count: usize, what: &str) -> String {
     }
 }
 
-fn ranking(criteria: &[Ranking]) -> String {
-    let told = criteria.iter().map(|ranking| {
-        let bin = ranking.bin;
-        let lacking = |name: &str| {
-            format!("{name} coaptation length, as far as it is below {COAPTATION_TARGET_MM} mm, in steps of {bin} mm")
-        };
-        match ranking.criterion {
-            Criterion::Orifice => format!("orifice area in steps of {bin} mm²"),
-            Criterion::CoaptationLengthA2P2 => lacking("A2-P2"),
-            Criterion::CoaptationLength => lacking("mean"),
-            Criterion::ChordForce => format!("largest chord tension in steps of {bin} N"),
-            Criterion::Strain => format!("strain in steps of {:.0} %", 100.0 * bin),
-            Criterion::DiastolicOrifice => format!(
-                "open orifice, by how often it is halved from {DIASTOLIC_TARGET_MM2} mm²"
-            ),
-        }
-    });
-    let told: Vec<String> = told.collect();
-    format!(
-        "{}; smaller differences are noise, and share a rank",
-        told.join(", then ")
-    )
-}
-
-/// A measure of the table: title, unit, which one, digits.
-type Column = (&'static str, &'static str, Criterion, usize);
-
-const AT_A2P2: Column = ("A2-P2 coapt.", "mm", Criterion::CoaptationLengthA2P2, 1);
-const IN_THE_MEAN: Column = ("mean coapt.", "mm", Criterion::CoaptationLength, 1);
-const OPEN_ORIFICE: Column = ("open orifice", "mm²", Criterion::DiastolicOrifice, 0);
-
 /// The columns of the table: the coaptation that ranks, and the open valve where it was computed.
-fn columns(report: &PlanReport) -> Vec<Column> {
+fn columns(report: &PlanReport) -> Vec<Criterion> {
     let ranks = |criterion| report.ranking.iter().any(|it| it.criterion == criterion);
     let is_mean = ranks(Criterion::CoaptationLength) && !ranks(Criterion::CoaptationLengthA2P2);
+    let coaptation = match is_mean {
+        true => Criterion::CoaptationLength,
+        false => Criterion::CoaptationLengthA2P2,
+    };
     let mut columns = vec![
-        ("orifice", "mm²", Criterion::Orifice, 1),
-        if is_mean { IN_THE_MEAN } else { AT_A2P2 },
-        ("chord, most", "N", Criterion::ChordForce, 2),
-        ("strain, 95 %", "%", Criterion::Strain, 1),
+        Criterion::Orifice,
+        coaptation,
+        Criterion::ChordForce,
+        Criterion::Strain,
     ];
-    columns.extend(report.before.diastole.as_ref().map(|_| OPEN_ORIFICE));
+    columns.extend(
+        report
+            .before
+            .diastole
+            .as_ref()
+            .map(|_| Criterion::DiastolicOrifice),
+    );
     columns
 }
 
 /// Letters that are left for names.
-fn name_width(columns: &[Column]) -> usize {
+fn name_width(columns: &[Criterion]) -> usize {
     let left = WIDTH.saturating_sub(RANK + 2 + columns.len() * (VALUE + CHANGE));
     left.min(NAME)
 }
 
-fn heads(out: &mut String, columns: &[Column]) {
+fn heads(out: &mut String, columns: &[Criterion]) {
     let (pair, width) = (VALUE + CHANGE, name_width(columns));
     let titles: String = columns
         .iter()
-        .map(|(title, ..)| format!("  {title:>0$}", pair - 2))
+        .map(|criterion| format!("  {:>1$}", words(*criterion).head, pair - 2))
         .collect();
     let _ = writeln!(out, "\n{:RANK$}  {:width$}{titles}", "", "");
     let units: String = columns
         .iter()
-        .map(|(_, unit, ..)| format!("{unit:>VALUE$}{:>CHANGE$}", "change"))
+        .map(|criterion| format!("{:>VALUE$}{:>CHANGE$}", words(*criterion).unit, "change"))
         .collect();
     let _ = writeln!(out, "{:>RANK$}  {:width$}{units}", "rank", "alternative");
 }
 
-fn told(out: &mut String, columns: &[Column], row: &Row, before: &Closed) {
+fn told(out: &mut String, columns: &[Criterion], row: &Row, before: &Closed) {
     match &row.closed {
         Some(closed) => {
             values(out, columns, (row.rank, &row.name), closed, Some(before));
+            if row.found_by_search {
+                let _ = writeln!(out, "{:RANK$}  {FOUND}", "");
+            }
             if row.only_takes_chordae {
                 wrapped(out, &format!("{:RANK$}  NO REPAIR: ", ""), TAKES_CHORDAE);
             }
@@ -156,12 +140,15 @@ fn told(out: &mut String, columns: &[Column], row: &Row, before: &Closed) {
     }
 }
 
+/// What stands beside the alternative that a search found.
+pub(crate) const FOUND: &str = "FOUND BY SEARCH";
+
 /// Why what only tears or cuts chordae has no rank.
 pub(super) const TAKES_CHORDAE: &str = "it only takes chordae away";
 
 fn values(
     out: &mut String,
-    columns: &[Column],
+    columns: &[Criterion],
     (rank, name): (Option<usize>, &str),
     closed: &Closed,
     before: Option<&Closed>,
@@ -175,15 +162,15 @@ fn values(
     }
     let (rank, name) = if is_long { ("", "") } else { (&*rank, name) };
     let _ = write!(out, "{rank:>RANK$}  {name:width$}");
-    for &(_, unit, criterion, digits) in columns {
-        let scale = if unit == "%" { 100.0 } else { 1.0 };
-        let value = closed.value(criterion).map(|value| scale * value);
+    for &criterion in columns {
+        let Words { factor, digits, .. } = words(criterion);
+        let value = closed.value(criterion).map(|value| factor * value);
         // From a shape that is not certified nothing has changed: its figures are no results.
         let earlier = before.filter(|before| before.solve.certified);
         let earlier = earlier.and_then(|before| before.value(criterion));
         let change = value
             .zip(earlier)
-            .map(|(value, earlier)| signed(value - scale * earlier, digits));
+            .map(|(value, earlier)| signed(value - factor * earlier, digits));
         let value = value.map_or("-".to_owned(), |value| number(value, digits));
         let _ = write!(out, "{value:>VALUE$}{:>CHANGE$}", change.unwrap_or_default());
     }
@@ -191,7 +178,7 @@ fn values(
     out.truncate(kept);
     out.push('\n');
     if let Some(reasons) = doubt(&closed.solve) {
-        wrapped(out, &format!("{:RANK$}  NOT CERTIFIED: ", ""), &reasons);
+        wrapped(out, &format!("{:RANK$}  {NOT_CERTIFIED}: ", ""), &reasons);
     }
     let start = " ".repeat(RANK + 2);
     for told in below::lines(closed, before) {
@@ -212,6 +199,9 @@ fn notes(out: &mut String, report: &PlanReport) {
     out.push('\n');
     if report.before.diastole.is_some() {
         line(out, "open orifice", OPEN);
+    }
+    if report.alternatives.iter().any(Row::joins_edges) {
+        line(out, "coaptation", GRASP);
     }
     let closed = report.alternatives.iter().filter_map(|row| row.closed.as_ref());
     let warm = closed.filter(|closed| closed.solve.begun_at.is_some()).count();

@@ -14,6 +14,7 @@ use super::message::{
     Color, KeyValuePair, LinePrimitive, LineType, Pose, Quaternion, SceneEntity, SceneUpdate,
     SpherePrimitive, TextPrimitive, Timestamp, TriangleListPrimitive, Xyz,
 };
+use crate::report::NOT_CERTIFIED;
 
 /// Strain of leaflets and tension of chordae [N] at the dark end of their colours; both begin at 0. Fixed, so that frames and
 /// recordings can be held against each other. Our choice: about the largest of the presets (95th percentile of strain 0.25 to 0.30, chordae 1.5 to 3 N).
@@ -190,7 +191,7 @@ fn warning(frame: &Frame) -> TextPrimitive {
         font_size: TEXT_MM,
         scale_invariant: false,
         color: Some(WARNING),
-        text: format!("NOT CERTIFIED ({:?})", frame.equilibrium.status),
+        text: format!("{NOT_CERTIFIED} ({:?})", frame.equilibrium.status),
     }
 }
 

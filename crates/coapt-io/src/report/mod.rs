@@ -5,22 +5,25 @@ mod rows;
 mod surfaces;
 mod text;
 
-use coapt::measure::{self, Measures, ValveFrame, valve_frame};
+use coapt::measure::{self, Measures, SlackNeochord, ValveFrame, slack_neochordae, valve_frame};
 use coapt::model::{LeftOut, Model, Untangled};
 use coapt::relax::{Equilibrium, Status};
 use coapt::repair;
 use coapt::scene::{Contact, Fault, MMHG_MPA, Settings};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use repairs::repair_line;
 use repairs::repair_report;
+pub(crate) use repairs::{extent_words, repair_line, slack_line};
 
 pub use repairs::{RepairReport, RingFigures};
 pub use rows::{TableRow, rows, rows_of};
 pub(crate) use surfaces::{chords, loaded_chords, ring_curves, stage_closed_chords, stage_closed_surface};
 pub use surfaces::{closed_surface, stage_results, write_closed_surface, write_results};
 pub use text::text;
-pub(crate) use text::{WIDTH, is_zero, left_out_line, line, number, reasons, untangled_line, wrapped};
+pub(crate) use text::{
+    GRASP, NOT_CERTIFIED, SLACK, WIDTH, is_zero, left_out_line, line, number, reasons, untangled_line,
+    wrapped,
+};
 
 /// The layout of the JSON report.
 pub const REPORT_SCHEMA: &str = "coapt-report/1";
@@ -91,6 +94,8 @@ pub struct Report {
     pub after: Option<Outcome>,
     /// What the repairs did, in their order.
     pub repairs: Vec<RepairReport>,
+    /// Neochordae of the plan that hold nothing back in the valve closed with it, or of which some strands do not; of a certified shape only.
+    pub slack_neochordae: Vec<SlackNeochord>,
     /// Repairs of the input, guesses and doubts.
     pub warnings: Vec<String>,
 }
@@ -189,6 +194,11 @@ impl Report {
             before: outcome(&closure.before),
             after: closure.after.as_ref().map(outcome),
             repairs: closure.repairs.iter().map(repair_report).collect(),
+            slack_neochordae: closure
+                .after
+                .as_ref()
+                .map(|after| slack(after, &closure.repairs))
+                .unwrap_or_default(),
             warnings: closure.warnings.iter().map(warning).collect(),
         }
     }
@@ -235,6 +245,14 @@ fn outcome(closed: &Closed) -> Outcome {
             &equilibrium.state.positions_mm,
             &equilibrium.reactions_n,
         ),
+    }
+}
+
+fn slack(closed: &Closed, repairs: &[repair::Report]) -> Vec<SlackNeochord> {
+    let equilibrium = &closed.equilibrium;
+    match equilibrium.certificate.is_certified(equilibrium.status) {
+        true => slack_neochordae(&closed.model, repairs, &equilibrium.state.positions_mm),
+        false => Vec::new(),
     }
 }
 

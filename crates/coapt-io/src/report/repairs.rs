@@ -1,8 +1,9 @@
 //! What each repair did: for machines, and as a sentence.
 
+use coapt::measure::{SLACK_BELOW_N, SlackNeochord};
 use coapt::repair::{
     self, AlfieriReport, AugmentReport, CleftReport, ClipReport, CutReport, NeochordReport, RelocationReport,
-    ResectReport, RingReport, TransferReport,
+    ResectReport, RingExtent, RingReport, TransferReport,
 };
 use coapt::scene::{ResectionShape, RingFamily};
 use serde::{Deserialize, Serialize};
@@ -52,6 +53,8 @@ pub struct RingFigures {
     pub flexible: bool,
     /// Whether the ring is closed.
     pub closed: bool,
+    /// How large it is where it lies.
+    pub laid: RingExtent,
     /// Length of the ring [mm].
     pub ring_length_mm: f64,
     /// Length of the stretch of annulus sewn to it, before [mm].
@@ -91,6 +94,7 @@ fn ring_figures(ring: &RingReport) -> RingFigures {
         sutures: ring.sutures,
         flexible: ring.flexible,
         closed: ring.closed,
+        laid: ring.laid,
         ring_length_mm: ring.ring_length_mm,
         annulus_length_mm: ring.annulus_length_mm,
         warp_mean_mm: ring.warp_mean_mm,
@@ -99,6 +103,11 @@ fn ring_figures(ring: &RingReport) -> RingFigures {
         edge_stretch_max: ring.edge_stretch_max,
         tilt_deg: ring.tilt_degrees,
     }
+}
+
+/// Whether the leaflets are held together where they touch.
+pub(super) fn joins_edges(repair: &RepairReport) -> bool {
+    matches!(repair, RepairReport::Clip(_) | RepairReport::Alfieri(_))
 }
 
 pub(crate) fn repair_line(repair: &RepairReport) -> String {
@@ -168,6 +177,24 @@ fn neochord_line(neochord: &NeochordReport) -> String {
     )
 }
 
+/// That a neochord does nothing, or half of what was meant: else a plan with it looks like a repair and is the valve as it was.
+pub(crate) fn slack_line(slack: &SlackNeochord) -> String {
+    let SlackNeochord {
+        repair,
+        name,
+        strands,
+        slack_strands,
+    } = slack;
+    match slack.is_idle() {
+        true => format!(
+            "repair[{repair}], {name}: no strand bears {SLACK_BELOW_N} N or more in the closed valve, which closes as without it"
+        ),
+        false => format!(
+            "repair[{repair}], {name}: {slack_strands} of {strands} strands bear less than {SLACK_BELOW_N} N in the closed valve"
+        ),
+    }
+}
+
 fn resect_line(piece: &ResectReport) -> String {
     let shape = match piece.shape {
         ResectionShape::Triangular => "triangle",
@@ -219,8 +246,20 @@ fn ring_line(ring: &RingFigures) -> String {
         _ => "measured ring".to_owned(),
     };
     format!(
-        "{shape} ({kind}, {:.1} mm long) on {:.1} mm of annulus, which moves {:.1} mm on average, {:.1} mm at most",
-        ring.ring_length_mm, ring.annulus_length_mm, ring.warp_mean_mm, ring.warp_max_mm
+        "{shape} ({kind}, {:.1} mm long; {}) on {:.1} mm of annulus, which moves {:.1} mm on average, {:.1} mm at most",
+        ring.ring_length_mm,
+        extent_words(&ring.laid),
+        ring.annulus_length_mm,
+        ring.warp_mean_mm,
+        ring.warp_max_mm
+    )
+}
+
+/// How large a ring is, as a surgeon knows it: the annulus' own figures do not let its size be recognised.
+pub(crate) fn extent_words(laid: &RingExtent) -> String {
+    format!(
+        "{:.1} mm across and {:.1} mm from front to back, {:.1} mm high",
+        laid.width_mm, laid.depth_mm, laid.height_mm
     )
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use coapt::relax::Status;
 use coapt::scene::{Readable, Settings};
 
-use super::repairs::repair_line;
+use super::repairs::{joins_edges, repair_line, slack_line};
 use super::rows::{TableRow, rows};
 use super::{LeftOutReport, Report, Solve, UntangledReport};
 use crate::escape::escaped;
@@ -38,6 +38,9 @@ pub fn text(report: &Report) -> String {
     for repair in &report.repairs {
         line(&mut out, "repair", &repair_line(repair));
     }
+    for slack in &report.slack_neochordae {
+        line(&mut out, SLACK, &slack_line(slack));
+    }
     out.push('\n');
     match &report.after {
         None => certificate(&mut out, "", &report.before.solve),
@@ -60,6 +63,10 @@ pub fn text(report: &Report) -> String {
         );
     }
     table(&mut out, report);
+    if report.repairs.iter().any(joins_edges) {
+        out.push('\n');
+        line(&mut out, "coaptation", GRASP);
+    }
     if !report.warnings.is_empty() {
         out.push('\n');
         for warning in &report.warnings {
@@ -70,6 +77,16 @@ pub fn text(report: &Report) -> String {
     out
 }
 
+/// What stands beside figures of a shape that is not certified, and before why it is not.
+pub(crate) const NOT_CERTIFIED: &str = "NOT CERTIFIED";
+
+/// What coaptation of valves that are joined edge to edge is not.
+pub(crate) const GRASP: &str = "what a clip grasps or stitches hold counts as coaptation: at the joint, as at A2-P2, lengths are in part the grasp's, \
+     and do not tell how the leaflets meet beside it";
+
+/// What stands before a neochord that holds nothing back.
+pub(crate) const SLACK: &str = "SLACK";
+
 /// Two lines on how far a result can be trusted.
 fn certificate(out: &mut String, name: &str, solve: &Solve) {
     let verdict = match verdict(solve) {
@@ -78,7 +95,7 @@ fn certificate(out: &mut String, name: &str, solve: &Solve) {
             solve.residual
         ),
         None => "CERTIFIED (converged, stable, no surfaces cross)".to_owned(),
-        Some(reasons) => format!("NOT CERTIFIED: {reasons}"),
+        Some(reasons) => format!("{NOT_CERTIFIED}: {reasons}"),
     };
     wrapped(out, name, &verdict);
     let work = format!(
@@ -293,6 +310,8 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("\nSutures and clips"), "{text}");
+        let note = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(note.contains(&format!("coaptation: {GRASP}")), "{text}");
         assert!(
             text.contains("repair: clip A2P2: arms 9 mm long and 4 mm wide"),
             "{text}"
@@ -310,10 +329,33 @@ mod tests {
         assert!(json["after"]["sutures"][0]["total_force_n"].as_f64() > Some(0.0));
     }
 
+    /// A neochord too long to hold anything looks like a repair and is none.
+    #[test]
+    fn a_slack_neochord_says_so() {
+        let at = |length_mm: f64| {
+            let neochord = Neochord {
+                position: Some(0.35),
+                length_mm: Some(length_mm),
+                ..Neochord::to("posterior")
+            };
+            Report::new(&closure_with(&[Repair::Neochord(neochord)]))
+        };
+        let slack = at(40.0);
+        let told = text(&slack).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            told.contains("SLACK: repair[0], neochord posterior 0.35: no strand bears 0.01 N"),
+            "{told}"
+        );
+        assert_eq!(slack.slack_neochordae.len(), 1);
+        let taut = at(6.0);
+        assert!(!text(&taut).contains("SLACK") && taut.slack_neochordae.is_empty());
+    }
+
     #[test]
     fn what_is_not_certified_says_why() {
         let mut report = Report::new(&closure_of("physio-like:28"));
         assert!(!text(&report).contains("NOT CERTIFIED"), "{}", text(&report));
+        assert!(!text(&report).contains("clip grasps"), "{}", text(&report));
         spoil(&mut report.before.solve);
         let text = text(&report).split_whitespace().collect::<Vec<_>>().join(" ");
         for reason in ["iteration limit", "not stable", "cross at 3 edges"] {

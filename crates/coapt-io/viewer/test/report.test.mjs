@@ -237,6 +237,7 @@ test("a plan tells gradients, rates and its search as the program does", async (
   assert.equal(await page.locator(".search tbody tr").count(), report.search.tried.length);
   assert.equal(await page.locator(".search tr", { hasText: "the answer" }).count(), 1);
   assert.match(await page.locator(".alternatives thead").textContent(), /mean gradient, at most \[mmHg\]/);
+  assert.equal(await page.locator(".alternatives tr", { hasText: "FOUND BY SEARCH" }).count(), 1);
   assert.deepEqual(complaints, []);
 });
 

@@ -17,7 +17,8 @@ use crate::model::Model;
 /// 2 % of the local edge length, our choice): sealed at the resolution of the mesh. Within each face the root of the gap
 /// beyond the contact thickness runs linearly, as it does where round sheets part, so that areas and lines neither jump
 /// from vertex to vertex nor shrink on coarse meshes. A valve given as one leaflet is measured by its
-/// contact with itself.
+/// contact with itself. What a clip grasps and stitches hold is in contact, and counts: in a valve that is joined edge to edge, the
+/// lengths at the joint, which is at A2-P2 where a surgeon put it there, are in part those of the grasp.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CoaptationMeasures {
     /// Area of contact [mm²]: half the sum over both sides.

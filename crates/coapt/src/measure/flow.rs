@@ -11,6 +11,11 @@ const CONTRACTION: [f64; 2] = [0.611, 0.85];
 /// Time for which the ventricle ejects [s]; a usual figure, which a static model does not know.
 const SYSTOLE_S: f64 = 0.30;
 
+/// A valve whose anatomic orifice without pressure is smaller hardly opens [mm²]: no gradient is told of it. Our choice: through 50 mm² the
+/// heart at rest of [`Filling`]'s default would need 53 mmHg, more than twice what fills lungs with water, and the estimate grows with
+/// the inverse square of the area, to thousands. No heart fills like that; what such a figure says is that the valve does not open.
+pub const HARDLY_OPENS_MM2: f64 = 50.0;
+
 /// What a heart at rest does in diastole; usual figures, to be replaced by the patient's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Filling {
@@ -43,11 +48,11 @@ pub fn regurgitant_volume_ml(anatomic_orifice_mm2: f64, pressure_mmhg: f64) -> [
 }
 
 /// Mean pressure gradient of the filling ventricle over an anatomic diastolic orifice [mmHg]; two openings in parallel add their
-/// areas. None where there is no orifice.
+/// areas. None where the valve [hardly opens](HARDLY_OPENS_MM2), or the orifice is no number.
 ///
 /// Δp = ½ ρ (q / (C A))² with the mean flow q = stroke volume / filling time.
 pub fn mean_diastolic_gradient_mmhg(anatomic_orifice_mm2: f64, filling: &Filling) -> Option<f64> {
-    if anatomic_orifice_mm2 <= 0.0 {
+    if anatomic_orifice_mm2.is_nan() || anatomic_orifice_mm2 < HARDLY_OPENS_MM2 {
         return None;
     }
     let flow_mm3_per_s = 1e3 * filling.stroke_volume_ml / filling.filling_time_s;
@@ -82,6 +87,15 @@ mod tests {
                 "{found}"
             );
         }
-        assert_eq!(mean_diastolic_gradient_mmhg(0.0, &Filling::default()), None);
+    }
+
+    /// At the least orifice of which a gradient is told it is what the bound says; below it, down to none, there is no figure.
+    #[test]
+    fn of_what_hardly_opens_no_gradient_is_told() {
+        let at = |area_mm2: f64| mean_diastolic_gradient_mmhg(area_mm2, &Filling::default());
+        assert_eq!(at(HARDLY_OPENS_MM2).map(f64::round), Some(53.0));
+        for area_mm2 in [HARDLY_OPENS_MM2 - 0.1, 6.0, 0.0, -1.0, f64::NAN] {
+            assert_eq!(at(area_mm2), None, "{area_mm2}");
+        }
     }
 }

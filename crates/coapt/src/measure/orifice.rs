@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::distance::point_segment;
-use super::gap::{Gaps, threshold_mm};
+use super::gap::{GAP_CAP_MM, Gaps, threshold_mm};
 use super::seal::Seal;
 use super::sewn::free_margins;
 use super::spanning::spanning_area;
@@ -28,9 +28,10 @@ pub struct OrificeMeasures {
     pub area_mm2: f64,
     /// Number of holes.
     pub count: usize,
-    /// The widest a hole gapes [mm]: the largest, over points of its rim, of the distance to the rim of another leaflet
-    /// of the same hole; with one leaflet, to the other stretch, or to the other side as parted by the rim's two
-    /// points farthest from each other.
+    /// How wide the widest hole gapes [mm], which says nothing of how long it is: the farthest that its open margin is from the
+    /// tissue of another leaflet, on the side of the hole where that is less. So a margin that hangs free below a seal, or one open
+    /// farther along a slit than the one across, widens nothing. Never more than the farthest that its margins are apart, which alone
+    /// counts of a perforation and where nothing is within 10 mm.
     pub max_gap_mm: f64,
 }
 
@@ -89,7 +90,7 @@ pub(super) fn orifice(model: &Model, s: &Surface, gaps: &Gaps, seal: &Seal) -> O
             {
                 m.area_mm2 += half_strips_mm2;
                 m.count += 1;
-                m.max_gap_mm = m.max_gap_mm.max(facing);
+                m.max_gap_mm = m.max_gap_mm.max(width(&rim, facing));
             }
         } else if gap > least {
             let polygon: Vec<Vec3> = rim.iter().flat_map(|r| r.points.iter().copied()).collect();
@@ -99,7 +100,7 @@ pub(super) fn orifice(model: &Model, s: &Surface, gaps: &Gaps, seal: &Seal) -> O
             };
             m.area_mm2 += spanning_area(&polygon).min(most_mm2);
             m.count += 1;
-            m.max_gap_mm = m.max_gap_mm.max(gap);
+            m.max_gap_mm = m.max_gap_mm.max(width(&rim, gap));
         }
     }
     m
@@ -257,7 +258,38 @@ fn holes(stretches: &[Stretch]) -> Vec<Vec<usize>> {
     found
 }
 
-/// The widest gap of a hole: between leaflets, else between stretches, else between the sides of its rim.
+/// How wide a hole gapes [mm], at most so much: see [`OrificeMeasures::max_gap_mm`].
+fn width(rim: &[&Stretch], most_mm: f64) -> f64 {
+    let points = || {
+        let of = |r: &&Stretch| {
+            r.leaflets
+                .iter()
+                .copied()
+                .zip(r.facing_mm.iter().copied())
+                .collect::<Vec<_>>()
+        };
+        rim.iter().flat_map(of)
+    };
+    // Where leaflets join, a point is of both and parts none.
+    let alone = points().filter(|(leaflets, _)| leaflets.count_ones() == 1);
+    let sides = alone.fold(0, |sides, (leaflet, _)| sides | leaflet);
+    let farthest_mm = |of: u64| {
+        points()
+            .filter(|(leaflets, _)| leaflets & of != 0)
+            .map(|(_, mm)| mm)
+            .fold(0.0, f64::max)
+    };
+    let bits = (0..u64::BITS).map(|bit| 1 << bit).filter(|bit| sides & bit != 0);
+    let widths_mm = bits.map(farthest_mm).filter(|mm| (0.0..GAP_CAP_MM).contains(mm));
+    match rim {
+        // A perforation: what lies across from it is its own leaflet.
+        [only] if only.closed => most_mm,
+        _ if sides == 0 => most_mm,
+        _ => widths_mm.fold(most_mm, f64::min),
+    }
+}
+
+/// The farthest that the sides of a hole are apart: leaflets, else stretches, else the sides of its rim.
 fn widest(rim: &[&Stretch]) -> f64 {
     let by_leaflet: Vec<(Vec<Vec3>, Vec<u64>)> =
         rim.iter().map(|r| (closed_points(r), closed_labels(r))).collect();
@@ -444,6 +476,30 @@ mod tests {
         let exact = 0.4 * end + 2.0 * b * (end - end.powi(3) / (3.0 * a * a));
         assert_eq!(m.count, 1);
         assert!((m.area_mm2 / exact - 1.0).abs() < 0.05, "{m:?} {exact}");
+    }
+
+    /// A slit half a millimetre wide whose two sides are open over lengths of one and ten millimetres: the end of the longer is nine from
+    /// the shorter, and the hole is half a millimetre wide. So it is where the longer margin hangs free, nine millimetres below the
+    /// seal; but not where nothing is near either side, nor in a perforation.
+    #[test]
+    fn a_slit_is_as_wide_as_its_narrower_side() {
+        let side = |leaflet: u64, y: f64, length_mm: u32, facing_mm: f64| Stretch {
+            points: (0..=length_mm).map(|x| Vec3::new(f64::from(x), y, 0.0)).collect(),
+            facing_mm: vec![facing_mm; length_mm as usize + 1],
+            leaflets: vec![leaflet; length_mm as usize + 1],
+            closed: false,
+        };
+        let (short, long) = (side(1, 0.0, 1, 0.5), side(2, 0.5, 10, 0.5));
+        let rim = [&short, &long];
+        assert!((widest(&rim) - 9.0).abs() < 0.1, "{}", widest(&rim));
+        assert_eq!(width(&rim, widest(&rim)), 0.5);
+        let hanging = side(2, 0.5, 10, 9.0);
+        assert_eq!(width(&[&short, &hanging], 9.0), 0.5);
+        let far = [side(1, 0.0, 1, GAP_CAP_MM), side(2, 24.0, 1, GAP_CAP_MM)];
+        assert_eq!(width(&[&far[0], &far[1]], 24.0), 24.0);
+        let mut around = side(1, 0.0, 4, 0.1);
+        around.closed = true;
+        assert_eq!(width(&[&around], 2.0), 2.0);
     }
 
     /// A strip whose width grows along the margin.

@@ -20,7 +20,8 @@ pub struct Diastole {
     pub iterations: usize,
     /// What is left to be flowed through; none without a certificate.
     pub orifice: Option<DiastolicOrifice>,
-    /// Mean gradient over that orifice of a heart at rest ([`Filling`]'s default) [mmHg]; none without an orifice.
+    /// Mean gradient over that orifice of a heart at rest ([`Filling`]'s default) [mmHg]; none without a certificate, nor where the valve
+    /// [hardly opens](crate::measure::flow::HARDLY_OPENS_MM2).
     pub mean_gradient_mmhg: Option<f64>,
     /// Where the vertices hang [mm], shape `[vertex]`; empty unless asked for ([`keep_positions`](super::Settings)).
     pub positions_mm: Vec<Vec3>,

@@ -19,7 +19,7 @@ pub use sampling::{Sampling, Summaries, Summary, summaries};
 
 use crate::Vec3;
 use crate::measure::flow::regurgitant_volume_ml;
-use crate::measure::{Measures, measure};
+use crate::measure::{Measures, SlackNeochord, measure, slack_neochordae};
 use crate::model::Model;
 use crate::relax::{Certificate, Moment, Status, relax_watched};
 use crate::repair::{self, Report};
@@ -123,6 +123,8 @@ pub struct Outcome {
     pub diastole: Option<Diastole>,
     /// What the repairs did, in their order.
     pub repairs: Vec<Report>,
+    /// Neochordae that hold nothing back, or of which some strands do not.
+    pub slack_neochordae: Vec<SlackNeochord>,
     /// Doubts about the repairs, each with the number of its repair from 0.
     pub warnings: Vec<(usize, Fault)>,
     /// Where the vertices came to rest [mm], shape `[vertex]`; empty unless they were asked for.
@@ -338,6 +340,7 @@ fn closed(applied: Applied, start: Start, settings: &Settings, watch: Watch) -> 
         ),
         measures,
         diastole,
+        slack_neochordae: slack_neochordae(model, &applied.reports, &positions_mm),
         repairs: applied.reports,
         warnings: applied.warnings,
         positions_mm,

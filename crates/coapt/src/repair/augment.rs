@@ -128,8 +128,22 @@ fn augmented(model: &Model, deed: &Augment) -> Result<Repaired, Fault> {
             area_mm2,
             leaflet_height_mm,
         }),
-        warnings: Vec::new(),
+        warnings: larger_than_the_leaflet(deed, leaflet_height_mm)
+            .into_iter()
+            .collect(),
     })
+}
+
+/// The doubt that a patch brings which is wider than the leaflet is high where it is set in: the leaflet becomes more than twice as high,
+/// which no surgeon means. How long it may be, the commissures say.
+fn larger_than_the_leaflet(deed: &Augment, leaflet_height_mm: f64) -> Option<Fault> {
+    let message = || {
+        format!(
+            "is {} mm, more than the {leaflet_height_mm:.1} mm that the leaflet is high there, and more than doubles it; 8 to 15 mm are usual",
+            deed.width_mm
+        )
+    };
+    (deed.width_mm > leaflet_height_mm).then(|| Fault::warning("augment.width_mm", message()))
 }
 
 /// The part of the height between annulus and patch.

@@ -42,7 +42,7 @@ pub use cut_chord::CutReport;
 pub use neochord::NeochordReport;
 pub use relocate_papillary::RelocationReport;
 pub use resect::ResectReport;
-pub use ring::RingReport;
+pub use ring::{RingExtent, RingReport};
 pub use ring_shape::parse_ring_spec;
 pub use transfer_chord::TransferReport;
 

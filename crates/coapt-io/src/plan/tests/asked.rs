@@ -16,7 +16,7 @@ fn the_open_valve_is_told_where_it_is_certified() {
         "open orifice",
         "      open without pressure: 1 opening; mean gradient at most ",
         " % of what opened before; mean gradient at most ",
-        "orifice area in steps of 8 mm², then open orifice, by how often it is halved from 400 mm², then A2-P2",
+        "orifice in steps of 8 mm², then open orifice, by how often it is halved from 400 mm², then coaptation at A2-P2",
         "they compare repairs, are no mitral valve area, and no limit for one is held against them",
     ] {
         assert!(
@@ -49,6 +49,46 @@ fn the_open_valve_is_told_where_it_is_certified() {
         .diastole
         .as_mut()
         .unwrap();
+    // As if it opened to six square millimetres: hundreds of times that gradient are no figure, and the rank does not hide it.
+    let kept = open.clone();
+    open.orifice.as_mut().unwrap().area_mm2 = 6.0;
+    open.mean_gradient_mmhg = coapt::measure::flow::mean_diastolic_gradient_mmhg(6.0, &Default::default());
+    let narrow = self::report(&compared);
+    let told = text(&narrow).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        told.contains("; HARDLY OPENS: through 6 mm², under 50, no gradient is told"),
+        "{told}"
+    );
+    let json = serde_json::to_value(&narrow).unwrap();
+    let opened = &json["alternatives"][0]["diastole"];
+    assert_eq!(
+        (&json["alternatives"][0]["rank"], &opened["hardly_opens"]),
+        (&1.into(), &true.into())
+    );
+    assert!(opened.get("mean_gradient_mmhg").is_none());
+    assert_eq!(json["before"]["diastole"]["hardly_opens"], false);
+    let table = csv(&narrow);
+    let mut lines = table.lines();
+    let column = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|head| head == "diastole.mean_gradient_mmhg");
+    let cells: Vec<&str> = lines
+        .map(|line| line.split(',').nth(column.unwrap()).unwrap())
+        .collect();
+    assert!(
+        cells[0].parse::<f64>().is_ok() && cells[1].is_empty(),
+        "{cells:?}"
+    );
+    let open = compared.comparison.rows[0]
+        .result
+        .as_mut()
+        .unwrap()
+        .diastole
+        .as_mut()
+        .unwrap();
+    *open = kept;
     (open.status, open.orifice, open.mean_gradient_mmhg) = (Status::Stalled, None, None);
     let lost = self::report(&compared);
     assert!(!lost.certified());
@@ -60,6 +100,76 @@ fn the_open_valve_is_told_where_it_is_certified() {
     assert_eq!(
         serde_json::to_value(&lost).unwrap()["alternatives"][0]["diastole"].get("area_mm2"),
         None
+    );
+}
+
+/// A loop of thirty millimetres on a valve that lacks no chord holds nothing back: row, JSON and CSV say so, and the row that holds does not;
+/// of a shape without a certificate nothing is told.
+#[test]
+fn neochordae_that_hold_nothing_back_are_told() {
+    let plan = "schema_version = 1\n[[alternative]]\n[[alternative.repair]]\nkind = \"neochord\"\nleaflet = \"posterior\"\n\
+                site = \"A2P2\"\nlength_mm = [30, 10]\n";
+    let mut compared = compared_with(plan, false);
+    let report = report(&compared);
+    let row = |report: &PlanReport, number: usize| {
+        let row = report.alternatives.iter().find(|row| row.number == number);
+        row.unwrap().closed.clone().unwrap()
+    };
+    assert_eq!(row(&report, 2).slack_neochordae, [], "one that is taut");
+    let line = "SLACK: repair[0], neochord posterior A2P2: no strand bears 0.01 N or more in the closed valve, which closes as without it";
+    assert!(below::lines(&row(&report, 1), None).contains(&line.to_owned()));
+    let told = text(&report).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(told.matches("SLACK: ").count(), 1, "{told}");
+    assert!(told.contains(line), "{told}");
+    // As without it, to the last bit of the orifice.
+    assert_eq!(row(&report, 1).measures.orifice, report.before.measures.orifice);
+    let json: serde_json::Value = serde_json::from_str(&report.json().unwrap()).unwrap();
+    let at = json["alternatives"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|row| row["number"] == 1)
+        .unwrap();
+    assert_eq!(at["slack_neochordae"][0]["repair"], 0);
+    assert_eq!(at["slack_neochordae"][0]["slack_strands"], 2);
+    let csv = csv(&report);
+    let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let column = lines
+        .next()
+        .unwrap()
+        .iter()
+        .position(|head| *head == "slack_neochordae")
+        .unwrap();
+    let told: Vec<(String, String)> = lines
+        .map(|line| (line[0].to_owned(), line[column].to_owned()))
+        .collect();
+    for (number, count) in [("0", "0"), ("1", "1"), ("2", "0")] {
+        assert!(told.contains(&(number.to_owned(), count.to_owned())), "{told:?}");
+    }
+    for row in &mut compared.comparison.rows {
+        row.result.as_mut().unwrap().status = Status::Stalled;
+    }
+    assert!(!text(&self::report(&compared)).contains("SLACK"));
+}
+
+/// A ring is told by its own figures below its row and in the files: those of the annulus do not let its size be recognised.
+#[test]
+fn the_ring_is_told_as_it_lies() {
+    let report = report(&compared());
+    let row = report.alternatives.iter().find(|row| row.number == 1).unwrap();
+    let closed = row.closed.as_ref().unwrap();
+    let laid = closed.ring_laid.unwrap();
+    assert!(
+        (laid.width_mm - 28.0).abs() < 0.1 && closed.measures.annulus.commissural_mm < 26.0,
+        "{laid:?}"
+    );
+    let told = text(&report);
+    assert!(told.contains("      ring as laid: 28.0 mm across and "), "{told}");
+    assert_eq!(report.before.ring_laid, None);
+    let head = csv(&report).lines().next().unwrap().to_owned();
+    assert!(
+        head.contains(",ring_laid.depth_mm,ring_laid.height_mm,ring_laid.width_mm,"),
+        "{head}"
     );
 }
 
@@ -199,11 +309,15 @@ fn goals_are_reached_and_told() {
     report.search = Some(by_path);
     let told = text(&report);
     let start = format!(
-        "search: the first `size_mm` of alternative[0].repair[0] from 36 to 26 that gives coaptation/length_a2p2_mm of 5 or more is {:.3}",
+        "search: the first `size_mm` of alternative[0].repair[0] from 36 to 26 that gives coaptation at A2-P2 of 5 mm or more is {:.3}",
         answer.value
     );
     let flat = told.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(flat.contains(&start) && told.contains("  the answer\n"), "{told}");
+    assert!(
+        told.contains("\n     size_mm  coaptation at A2-P2 [mm]\n"),
+        "{told}"
+    );
     let less = seek(&goal("annulus.ap_mm", "at_most = 26")).unwrap();
     let answer = less.answer.unwrap();
     assert!(answer.measured <= 26.0 && answer.measured > 25.0, "{less:?}");
@@ -213,7 +327,7 @@ fn goals_are_reached_and_told() {
     let told = text(&report);
     let flat = told.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        flat.contains("that was tried gives orifice of -1 or less"),
+        flat.contains("that was tried gives orifice of -1 mm² or less"),
         "{told}"
     );
     let faults = seek(&goal("coaptation/length_a2p2", "at_least = 5")).unwrap_err();
@@ -226,6 +340,79 @@ fn goals_are_reached_and_told() {
         sentence(&faults[0]),
         "search.to is 6, at which alternative[0].repair[0].size_mm: 6 mm is out of range, expected 20 to 44 mm"
     );
+}
+
+/// The answer of a search is closed as an alternative: a row with all criteria, marked in text, JSON and CSV, with a shape of its own; where
+/// an alternative of the plan is the answer, that one is marked.
+#[test]
+fn the_answer_of_a_search_has_a_row() {
+    let goal = |from: f64| {
+        format!(
+            "diastole = true\n{}[search]\nalternative = 0\nkey = \"size_mm\"\nfrom = {from}\nto = 26\ntolerance = 0.1\nmeasure = \
+             \"coaptation_length_a2p2\"\nat_least = 5\n",
+            PLAN.replace("[28, 10, 44]", "28")
+        )
+    };
+    let compared = compared();
+    let look = |_: &coapt::plan::Progress| std::ops::ControlFlow::Continue(());
+    let on_stage = |_, work: &mut dyn FnMut(coapt::plan::Watch)| work(&look);
+    let carried = |text: &str| {
+        let (mut plan, _) = alternatives_from_text(Path::new("plan.toml"), text, 10).unwrap();
+        let file = PlanFile {
+            name: "plan.toml",
+            text,
+        };
+        let (report, comparison) = carry_out(&compared.model, file, &mut plan, true, &[], &on_stage).unwrap();
+        (plan, report, comparison)
+    };
+    let (plan, report, comparison) = carried(&goal(36.0));
+    let answer = report.search.as_ref().unwrap().answer.unwrap();
+    let row = report
+        .alternatives
+        .iter()
+        .find(|row| row.found_by_search)
+        .unwrap();
+    assert_eq!((report.alternatives.len(), row.number), (2, 2));
+    assert_eq!(row.name, format!("search: ring size_mm {:.3}", answer.value));
+    let closed = row.closed.as_ref().unwrap();
+    // Closed again from the open valve, to the same bits.
+    assert_eq!(closed.measures.coaptation.length_a2p2_mm, answer.measured);
+    assert!(row.rank.is_some() && closed.diastole.as_ref().unwrap().area_mm2.is_some());
+    let told = text(&report);
+    assert_eq!(told.matches("\n      FOUND BY SEARCH\n").count(), 1, "{told}");
+    assert!(told.contains("  search: ring size_mm "), "{told}");
+    let json: serde_json::Value = serde_json::from_str(&report.json().unwrap()).unwrap();
+    let found: Vec<bool> = json["alternatives"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| row["found_by_search"] == true)
+        .collect();
+    assert_eq!(found.iter().filter(|found| **found).count(), 1);
+    let csv = csv(&report);
+    let line = csv.lines().find(|line| line.contains("search: ring")).unwrap();
+    assert_eq!(line.split(',').nth(12), Some("true"), "{line}");
+    assert!(csv.lines().next().unwrap().split(',').nth(12) == Some("found_by_search"));
+    let folder = std::env::temp_dir().join(format!("coapt-plan-search-{}", std::process::id()));
+    write_plan(&folder, &report, &compared.model, &plan, &comparison).unwrap();
+    let page = crate::page::page_html(&read_page(&folder, 30).unwrap()).unwrap();
+    let shapes: Vec<PathBuf> = std::fs::read_dir(folder.join("shapes"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!(page.contains(" <span class=\"found\">FOUND BY SEARCH</span>"));
+    assert!(page.contains("<th scope=\"col\">coaptation at A2-P2 [mm]</th>"));
+    assert!(
+        shapes
+            .iter()
+            .any(|path| path.to_string_lossy().contains("0002_search-ring-size-mm-")),
+        "{shapes:?}"
+    );
+    // From 28 on the first value tried is the alternative that stands there.
+    let (_, report, _) = carried(&goal(28.0));
+    assert_eq!(report.alternatives.len(), 1);
+    assert!(report.alternatives[0].found_by_search && report.alternatives[0].name.starts_with("ring"));
 }
 
 /// A goal that is reached and lost again among the values tried is told with the first at which it is lost.

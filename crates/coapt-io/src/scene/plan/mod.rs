@@ -8,6 +8,7 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use coapt::model::size::grouped;
@@ -34,6 +35,8 @@ pub struct Alternatives {
     pub criteria: Option<Vec<Criterion>>,
     /// What else is asked for.
     pub asked: Asked,
+    /// Which of the alternatives is the answer of the search; none before it was made, and where it has none.
+    pub found_by_search: Option<usize>,
 }
 
 impl Alternatives {
@@ -113,9 +116,12 @@ fn read(
     document.expand(&name, text)?;
     let mut files = Files::new("plan", folder_of(path), Space::LPS, u32::MAX);
     let search = document.search.take();
+    for (key, message) in &document.repeated {
+        files.warning(key, message);
+    }
     let made = alternatives(document, &mut files);
     files.judge_frames();
-    let (mut made, warnings) = finish(made, &name, text, files)?;
+    let (mut made, mut warnings) = finish(made, &name, text, files)?;
     let told = |faults: Vec<Fault>| {
         let located = |fault: &Fault| located(&name, text, fault);
         faults.iter().map(located).collect::<Vec<_>>()
@@ -123,7 +129,35 @@ fn read(
     made.asked.search = search
         .map(|keys| asked::search(keys, &made).map_err(told))
         .transpose()?;
+    let repeated = fold(&mut made);
+    warnings.extend(repeated.iter().map(|fault| located(&name, text, fault)));
     Ok((made, warnings))
+}
+
+/// Takes alternatives out whose repairs are those of an earlier one, and tells them: closed again they would be the same valve, and share
+/// its rank. A search has found its repairs by then.
+fn fold(made: &mut Alternatives) -> Vec<Fault> {
+    let mut repeated = Vec::new();
+    let mut known: BTreeMap<String, String> = BTreeMap::new();
+    let mut keys = std::mem::take(&mut made.keys).into_iter();
+    for alternative in std::mem::take(&mut made.alternatives) {
+        let keys = keys.next().unwrap_or_default();
+        // Repairs are numbers and words, which can be written.
+        let repairs = serde_json::to_string(&alternative.repairs).unwrap_or_default();
+        if let Some(first) = known.get(&repairs) {
+            let place = keys.last().map_or("alternative", String::as_str);
+            let message = format!(
+                "makes of `{}` what `{first}` is; it is closed once",
+                alternative.name
+            );
+            repeated.push(Fault::warning(place, message));
+            continue;
+        }
+        known.insert(repairs, alternative.name.clone());
+        made.alternatives.push(alternative);
+        made.keys.push(keys);
+    }
+    repeated
 }
 
 fn told(count: u64) -> String {
@@ -142,6 +176,7 @@ fn alternatives(document: Document, files: &mut Files) -> Alternatives {
         keys: Vec::new(),
         criteria: document.criteria,
         asked: document.asked,
+        found_by_search: None,
     };
     let common = combinations(document.common, files);
     for block in document.blocks {

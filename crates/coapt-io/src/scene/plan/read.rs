@@ -26,6 +26,8 @@ pub(super) struct Document {
     /// Whether the plan leaves it to us to compute the open valve: it neither says so nor what ranks.
     pub(super) leaves_diastole: bool,
     pub(super) search: Option<SearchKeys>,
+    /// Values that lists have twice, each with its key in the file and what is done about it.
+    pub(super) repeated: Vec<(String, String)>,
 }
 
 /// Repairs one after the other.
@@ -140,7 +142,15 @@ pub(super) fn document(file: &str, text: &str) -> Result<Document, Vec<Fault>> {
     if !faults.is_empty() {
         return Err(faults);
     }
-    Ok(grouped(read, places))
+    let mut repeated = Vec::new();
+    for place in &mut places {
+        let of = place.sweeps.fold().into_iter();
+        repeated.extend(of.map(|(key, message)| (format!("{}.{key}", place.key), message)));
+    }
+    Ok(Document {
+        repeated,
+        ..grouped(read, places)
+    })
 }
 
 /// What is wrong with criteria.
@@ -187,6 +197,7 @@ fn grouped(read: PlanOfOne, places: Vec<Place>) -> Document {
         },
         leaves_diastole: read.diastole.is_none() && criteria.is_none(),
         search: read.search,
+        repeated: Vec::new(),
         criteria,
     }
 }

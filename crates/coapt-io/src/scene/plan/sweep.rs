@@ -58,6 +58,11 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
+/// Whether two values are one, though one of them may be written as 28 and the other as 28.0.
+fn is_same(one: &Value, other: &Value) -> bool {
+    one == other || float(one) == float(other)
+}
+
 fn float(value: &Value) -> f64 {
     match value {
         Value::Integer(whole) => *whole as f64,
@@ -85,6 +90,26 @@ impl Sweeps {
             }
             table
         })
+    }
+
+    /// Takes values out that a list has already had, and tells them, each with its key: closed again they would be the same valve.
+    pub(super) fn fold(&mut self) -> Vec<(String, String)> {
+        let mut repeated = Vec::new();
+        for Sweep { key, values } in &mut self.0 {
+            // The values of a range differ.
+            let Values::List(values) = values else {
+                continue;
+            };
+            let mut once: Vec<Value> = Vec::new();
+            for value in values.drain(..) {
+                match once.iter().any(|earlier| is_same(earlier, &value)) {
+                    true => repeated.push((key.clone(), format!("has {value} again; it is closed once"))),
+                    false => once.push(value),
+                }
+            }
+            *values = once;
+        }
+        repeated
     }
 
     /// Puts the first value of each into the table and takes what is wrong with the others, each with its key.

@@ -53,6 +53,42 @@ fn a_plan_without_alternatives_is_one() {
     );
 }
 
+/// A value that a list has twice, as 28 and 28.0 too, and an alternative that does what another does are closed once, and told with file
+/// and line; so many alternatives are counted. A search finds its repair all the same.
+#[test]
+fn what_is_there_twice_is_closed_once_and_told() {
+    let read = |text: &str, limit: u64| {
+        let text = format!("{START}{text}");
+        let read = alternatives_from_text(Path::new("p.toml"), &text, limit);
+        let (made, warnings) = read.unwrap_or_else(|faults| panic!("{faults:?}"));
+        let told: Vec<String> = warnings.iter().map(super::super::sentence).collect();
+        (made, told)
+    };
+    let text = format!("[[alternative]]\n{RING}size_mm = [28, 30, 28.0, 28]\n");
+    let (made, told) = read(&text, 2);
+    assert_eq!(sizes(&made), [[28.0], [30.0]]);
+    let again = |value: &str| {
+        format!("p.toml:7: alternative[0].repair[0].size_mm has {value} again; it is closed once")
+    };
+    assert_eq!(told, [again("28.0"), again("28")]);
+    let goal = "[search]\nalternative = 1\nkey = \"size_mm\"\nfrom = 36\nto = 26\ntolerance = 0.1\nmeasure = \"orifice\"\nat_most = 8\n";
+    let text = format!(
+        "[[alternative]]\n{RING}size_mm = [28, 30]\n[[alternative]]\nname = \"b\"\n{RING}size_mm = 30\n{goal}"
+    );
+    let (made, told) = read(&text, 10);
+    assert_eq!((sizes(&made), made.keys.len()), (vec![vec![28.0], vec![30.0]], 2));
+    assert_eq!(
+        made.asked.search.map(|search| search.place).as_deref(),
+        Some("alternative[1].repair[0]")
+    );
+    assert_eq!(
+        told,
+        ["p.toml:10: alternative[1].repair[0]: makes of `b` what `ring 30` is; it is closed once"]
+    );
+    let (made, told) = read(&format!("[[alternative]]\n{RING}size_mm = [28, 30]\n"), 10);
+    assert_eq!((made.alternatives.len(), told.len()), (2, 0));
+}
+
 /// Lists multiply; the first key changes most slowly; each alternative begins with the common repairs.
 #[test]
 fn lists_make_the_product_in_order_with_names() {
@@ -99,8 +135,8 @@ fn common_lists_multiply_with_alternatives() {
 
 #[test]
 fn names_are_given_once_and_say_what_a_named_list_holds() {
-    let twice = format!("[[alternative]]\n{RING}size_mm = 28\n").repeat(2);
-    assert_eq!(names(&made(&twice)), ["ring", "ring (2)"]);
+    let named = |size: u32| format!("[[alternative]]\nname = \"a\"\n{RING}size_mm = {size}\n");
+    assert_eq!(names(&made(&(named(28) + &named(30)))), ["a", "a (2)"]);
     let named = format!(
         "[[alternative]]\nname = \"tight\\nones\"\n{RING}size_mm = [26, 28]\nplaced = [true, false]\n"
     );

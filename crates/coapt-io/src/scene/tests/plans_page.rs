@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use coapt::measure::flow::Filling;
+use coapt::measure::flow::{Filling, HARDLY_OPENS_MM2, mean_diastolic_gradient_mmhg};
 use coapt::model::size::grouped;
 use coapt::plan::ensemble::SEALED_BELOW_MM2;
 use coapt::plan::{COAPTATION_TARGET_MM, Criterion, DIASTOLIC_TARGET_MM2, Sampling};
@@ -62,6 +62,9 @@ fn asked_for(page: &str, [open, unknown, goal, rates]: [&Alternatives; 4]) {
         ..
     } = Filling::default();
     assert!(page.contains(&format!("{stroke_volume_ml} mL in {filling_time_s} s")));
+    let most = mean_diastolic_gradient_mmhg(HARDLY_OPENS_MM2, &Filling::default()).unwrap();
+    assert!(page.contains(&format!("Below {HARDLY_OPENS_MM2} mm² no gradient is told")));
+    assert!(page.contains(&format!("that flow would need {most:.0} mmHg")));
     assert!(open.asked.diastole && rates.asked.sensitivities && !unknown.asked.diastole);
     assert_eq!(open.ranked_by()[1], Criterion::DiastolicOrifice);
     assert_eq!(unknown.asked.sampling, Some(Sampling::default()));
