@@ -363,9 +363,9 @@ fn the_answer_of_a_search_has_a_row() {
             text,
         };
         let (report, comparison) = carry_out(&compared.model, file, &mut plan, true, &[], &on_stage).unwrap();
-        (plan, report, comparison)
+        (report, comparison)
     };
-    let (plan, report, comparison) = carried(&goal(36.0));
+    let (report, comparison) = carried(&goal(36.0));
     let answer = report.search.as_ref().unwrap().answer.unwrap();
     let row = report
         .alternatives
@@ -394,7 +394,7 @@ fn the_answer_of_a_search_has_a_row() {
     assert_eq!(line.split(',').nth(12), Some("true"), "{line}");
     assert!(csv.lines().next().unwrap().split(',').nth(12) == Some("found_by_search"));
     let folder = std::env::temp_dir().join(format!("coapt-plan-search-{}", std::process::id()));
-    write_plan(&folder, &report, &compared.model, &plan, &comparison).unwrap();
+    write_plan(&folder, &report, &compared.model, &Shapes::from(comparison)).unwrap();
     let page = crate::page::page_html(&read_page(&folder, 30).unwrap()).unwrap();
     let shapes: Vec<PathBuf> = std::fs::read_dir(folder.join("shapes"))
         .unwrap()
@@ -410,7 +410,7 @@ fn the_answer_of_a_search_has_a_row() {
         "{shapes:?}"
     );
     // From 28 on the first value tried is the alternative that stands there.
-    let (_, report, _) = carried(&goal(28.0));
+    let (report, _) = carried(&goal(28.0));
     assert_eq!(report.alternatives.len(), 1);
     assert!(report.alternatives[0].found_by_search && report.alternatives[0].name.starts_with("ring"));
 }
