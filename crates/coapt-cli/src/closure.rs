@@ -32,7 +32,7 @@ pub(crate) struct Arguments {
     /// classic-like, physio-like, saddle, reduced-ap, posterior-band; a plan of one repair
     #[arg(long, value_name = "SPEC")]
     ring: Option<String>,
-    /// Folder for report.json and the surfaces (.vtp), made if need be; results of an earlier run are replaced
+    /// Folder for report.json and the surfaces (.vtp), made if need be; results of an earlier closure are replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Also draw the closed valve, before and after, from the atrium and from the side: a PNG file
@@ -160,10 +160,6 @@ fn read_plan(path: &Path) -> Result<Planned, Failure> {
     let text = read_text(path).map_err(|fault| vec![fault])?;
     let (mut plan, warnings) = alternative_from_text(path, &text)?;
     let repairs = plan.alternatives.remove(0).repairs;
-    if repairs.is_empty() {
-        let message = "the plan has no repair; expected at least one [[repair]]";
-        return Err(vec![Fault::error(path.display().to_string(), message)].into());
-    }
     Ok(Planned {
         repairs,
         file: Some(PlanText {

@@ -2,7 +2,7 @@
 
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -32,7 +32,7 @@ pub(crate) struct Arguments {
     /// `[[alternative.repair]]`; a list such as `size_mm = [26, 28]` or a range such as `size_mm = { from = 26, to = 32, step = 2 }`
     /// stands for several values
     plan: PathBuf,
-    /// Folder for plan.json and the tables (.csv), made if need be; results of an earlier run are replaced
+    /// Folder for plan.json and the tables (.csv), made if need be; results of an earlier plan are replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Also write the closed leaflets of every alternative, to shapes/ in that folder
@@ -75,7 +75,8 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let case = case::open(Some(&arguments.scene), arguments.limit)?;
     let plan_text = read_text(&arguments.plan).map_err(|fault| vec![fault])?;
-    let (mut alternatives, mut warnings) = read(&arguments.plan, &plan_text, arguments.max_alternatives)?;
+    let (mut alternatives, mut warnings) =
+        alternatives_from_text(&arguments.plan, &plan_text, arguments.max_alternatives)?;
     let Built {
         model,
         warnings: more,
@@ -248,19 +249,6 @@ fn iterated(progress: &Progress, watch: Watch) -> ControlFlow<()> {
         Progress::Iterated(moment) => watch(moment),
         Progress::Closed | Progress::Refused => ControlFlow::Continue(()),
     }
-}
-
-fn read(path: &Path, text: &str, limit: u64) -> Result<(Alternatives, Vec<Fault>), Vec<Fault>> {
-    let (plan, warnings) = alternatives_from_text(path, text, limit)?;
-    if plan
-        .alternatives
-        .iter()
-        .all(|alternative| alternative.repairs.is_empty())
-    {
-        let message = "the plan has no repair; expected at least one [[repair]] or [[alternative.repair]]";
-        return Err(vec![Fault::error(path.display().to_string(), message)]);
-    }
-    Ok((plan, warnings))
 }
 
 /// Notes what closes, for the line that counts and for an interruption.

@@ -126,7 +126,7 @@ fn plans() -> Vec<(Preset, Vec<Alternative>)> {
             Preset::Flail,
             vec![
                 plan("clip at A2-P2", vec![clip()]),
-                plan("two pairs of neochordae at P2", neochordae()),
+                plan("two pairs of neochordae at P2, at 0.42 and 0.58", neochordae()),
                 plan("triangular resection of 12 mm at P2", vec![resection(Some(12.0))]),
                 plan(&short_resection(), vec![resection(None)]),
             ],
@@ -143,10 +143,10 @@ fn plans() -> Vec<(Preset, Vec<Alternative>)> {
                     "strut chordae cut and that ring",
                     vec![cut_struts(), ring("physio-like:30")],
                 ),
-                plan("papillary muscles 4 mm nearer", nearer_muscles()),
+                plan("papillary muscles 4 mm toward the atrium", nearer_muscles()),
                 plan("posterior patch of 8 by 40 mm", vec![patch()]),
                 plan(&short_patch(), vec![Repair::Augment(default_patch())]),
-                plan("stitches at both commissures", stitches()),
+                plan("stitches of 6 mm at both commissures, at 0.1 and 0.9", stitches()),
                 plan("patch and stitches", patched(stitches())),
                 plan(
                     RESTRICTED,

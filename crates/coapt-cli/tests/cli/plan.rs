@@ -160,7 +160,7 @@ fn wrong_plans_are_status_2_with_their_lines() {
             "none.toml",
             "",
             &[][..],
-            "none.toml: the plan has no repair; expected at least one [[repair]] or [[alternative.repair]]",
+            "none.toml: repair is missing; expected at least one [[repair]] or [[alternative.repair]]",
         ),
         (
             "all.toml",

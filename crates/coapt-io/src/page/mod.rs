@@ -36,7 +36,7 @@ pub use read::{RECORDING, add_film, read_page};
 pub const SHOWN_ALTERNATIVES: usize = 30;
 
 /// Stands below every drawing of a closed valve.
-pub(crate) const MIDDLE_SURFACES: &str = "Leaflets are drawn by their middle surface: in contact they lie one thickness apart, so that closed slits stay to be seen.";
+pub(crate) const MIDDLE_SURFACES: &str = "Drawn are middle surfaces: leaflets in contact and sewn edges lie a thickness apart, so that closed slits stay to be seen.";
 
 /// Everything that a page shows.
 #[derive(Clone, Debug, PartialEq)]

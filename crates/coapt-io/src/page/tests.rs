@@ -283,7 +283,7 @@ fn what_hardly_opens_is_marked_on_the_page() {
     let html = plain(&html);
     assert!(html.contains("HARDLY OPENS: through 6 mm², under 50, no gradient is told</li>"));
     assert!(html.contains(
-        "<li>SLACK: repair[3], neochord <P2>: 1 of 2 strands bear less than 0.01 N in the closed valve</li>"
+        "<li>partly slack: repair[3], neochord <P2>: 1 of 2 strands bear less than 0.01 N in the closed valve</li>"
     ));
 }
 

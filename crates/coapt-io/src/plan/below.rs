@@ -8,7 +8,7 @@ use coapt::plan::ensemble::SEALED_BELOW_MM2;
 
 use super::words::{Words, words};
 use super::{Closed, Open, Rate, Sampled, Sensitivities};
-use crate::report::{NOT_CERTIFIED, SLACK, extent_words, number, reasons, slack_line};
+use crate::report::{NOT_CERTIFIED, extent_words, number, reasons, slack_line, slack_mark};
 
 /// All lines of a closed valve; `before` is the valve as it is, for one after repair.
 pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
@@ -28,7 +28,7 @@ pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
             .map(|laid| format!("ring as laid: {}", extent_words(laid))),
     );
     let slack = closed.slack_neochordae.iter();
-    lines.extend(slack.map(|slack| format!("{SLACK}: {}", slack_line(slack))));
+    lines.extend(slack.map(|slack| format!("{}: {}", slack_mark(slack), slack_line(slack))));
     let open_before = before.and_then(|before| before.diastole.as_ref());
     lines.extend(closed.diastole.as_ref().map(|open| of_open(open, open_before)));
     lines.extend(closed.uncertainty.as_ref().map(of_sampled).unwrap_or_default());

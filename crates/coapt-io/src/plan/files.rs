@@ -13,6 +13,7 @@ use super::{PlanReport, csv, long_csv, units_csv};
 use crate::atomic::{Batch, make_folder};
 use crate::mesh::stage_vtp;
 use crate::report::{ring_curves, stage_closed_chords, stage_closed_surface};
+use crate::scene::BEFORE;
 
 /// Where the vertices of a comparison's closed valves came to rest [mm], shape `[vertex]` each; empty where they were not kept.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -101,7 +102,7 @@ fn stage_shapes(
         }
         Ok(())
     };
-    stage(0, "before", model, &shapes.before_mm, &[])?;
+    stage(0, BEFORE, model, &shapes.before_mm, &[])?;
     for row in &report.alternatives {
         let kept = shapes.after_mm.get(&row.number);
         let Some(positions_mm) = kept.filter(|kept| !kept.is_empty()) else {

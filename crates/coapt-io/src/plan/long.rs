@@ -8,6 +8,7 @@ use coapt::measure::Measures;
 
 use super::table::quoted;
 use super::{Closed, Open, PlanReport};
+use crate::scene::BEFORE;
 
 /// A measure: name, unit, value in that unit.
 type Measurement = (&'static str, &'static str, fn(&Measures) -> f64);
@@ -67,7 +68,7 @@ pub fn long_csv(report: &PlanReport) -> String {
     let mut out = "Filename,Phase,Measurement,Value\n".to_owned();
     let rows = report.alternatives.iter();
     let named = rows.filter_map(|row| Some((row.name.as_str(), row.closed.as_ref()?)));
-    for (name, closed) in std::iter::once(("before", &report.before)).chain(named) {
+    for (name, closed) in std::iter::once((BEFORE, &report.before)).chain(named) {
         if closed.solve.certified {
             lines(&mut out, &format!("{}: {name}", report.case), closed);
         }

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::text::{TAKES_CHORDAE, doubt};
 use super::{Closed, PlanReport, Row};
+use crate::scene::BEFORE;
 use crate::study::status_name;
 
 const COLUMNS: &str = "number,rank,name,certified,status,reason,residual,iterations,crossings,max_penetration_mm,\
@@ -16,7 +17,7 @@ const COLUMNS: &str = "number,rank,name,certified,status,reason,residual,iterati
 /// line: what tells the alternatives apart, as `ring.size_mm`, then measures by their paths in `plan.json`. What an alternative lacks
 /// is empty.
 pub fn csv(report: &PlanReport) -> String {
-    let before = (0, None, "before", Some(&report.before), None);
+    let before = (0, None, BEFORE, Some(&report.before), None);
     let rows = report.alternatives.iter().map(|row| {
         let name = row.name.as_str();
         (row.number, row.rank, name, row.closed.as_ref(), Some(row))
@@ -139,8 +140,15 @@ fn flat(closed: Option<&Closed>) -> BTreeMap<String, f64> {
     };
     // Has columns of its own.
     whole.remove("solve");
-    // How many there are: their names differ from row to row.
-    let slack = closed.map_or(0, |closed| closed.slack_neochordae.len());
+    // How many hold nothing at all: their names differ from row to row.
+    let idle = |closed: &Closed| {
+        closed
+            .slack_neochordae
+            .iter()
+            .filter(|slack| slack.is_idle())
+            .count()
+    };
+    let slack = closed.map_or(0, idle);
     whole.insert("slack_neochordae".to_owned(), slack.into());
     numbers(&whole.into())
 }

@@ -7,6 +7,7 @@ use coapt::plan::Criterion;
 use super::words::{Words, ranking, words};
 use super::{AnatomicLimit, Closed, PlanReport, Row, Trust, below, search};
 use crate::report::{GRASP, NOT_CERTIFIED, WIDTH, is_zero, line, number, reasons, wrapped};
+use crate::scene::BEFORE;
 
 /// Columns: place, name, and for each measure its value and its change.
 const RANK: usize = 4;
@@ -41,7 +42,7 @@ pub fn text(report: &PlanReport) -> String {
     line(&mut out, "ranked by", &ranking(ranked_by));
     let columns = columns(report);
     heads(&mut out, &columns);
-    values(&mut out, &columns, (None, "before"), &report.before, None);
+    values(&mut out, &columns, (None, BEFORE), &report.before, None);
     let is_out = |row: &&Row| row.rank.is_none();
     for row in report.alternatives.iter().filter(|row| row.rank.is_some()) {
         told(&mut out, &columns, row, &report.before);

@@ -13,7 +13,7 @@ use coapt::scene::{Contact, Fault, MMHG_MPA, Settings};
 use serde::{Deserialize, Serialize};
 
 use repairs::repair_report;
-pub(crate) use repairs::{extent_words, repair_line, slack_line};
+pub(crate) use repairs::{extent_words, repair_line, slack_line, slack_mark};
 
 pub use repairs::{RepairReport, RingFigures};
 pub use rows::{TableRow, rows, rows_of};
@@ -21,8 +21,7 @@ pub(crate) use surfaces::{chords, loaded_chords, ring_curves, stage_closed_chord
 pub use surfaces::{closed_surface, stage_results, write_closed_surface, write_results};
 pub use text::text;
 pub(crate) use text::{
-    GRASP, NOT_CERTIFIED, SLACK, WIDTH, is_zero, left_out_line, line, number, reasons, untangled_line,
-    wrapped,
+    GRASP, NOT_CERTIFIED, WIDTH, is_zero, left_out_line, line, number, reasons, untangled_line, wrapped,
 };
 
 /// The layout of the JSON report.

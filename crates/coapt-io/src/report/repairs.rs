@@ -177,6 +177,14 @@ fn neochord_line(neochord: &NeochordReport) -> String {
     )
 }
 
+/// What stands before a neochord that holds nothing back, or of which some strands do not.
+pub(crate) fn slack_mark(slack: &SlackNeochord) -> &'static str {
+    match slack.is_idle() {
+        true => "SLACK",
+        false => "partly slack",
+    }
+}
+
 /// That a neochord does nothing, or half of what was meant: else a plan with it looks like a repair and is the valve as it was.
 pub(crate) fn slack_line(slack: &SlackNeochord) -> String {
     let SlackNeochord {
@@ -257,8 +265,9 @@ fn ring_line(ring: &RingFigures) -> String {
 
 /// How large a ring is, as a surgeon knows it: the annulus' own figures do not let its size be recognised.
 pub(crate) fn extent_words(laid: &RingExtent) -> String {
+    let open = if laid.closed { "" } else { " were it closed" };
     format!(
-        "{:.1} mm across and {:.1} mm from front to back, {:.1} mm high",
+        "{:.1} mm across and {:.1} mm from front to back{open}, {:.1} mm high",
         laid.width_mm, laid.depth_mm, laid.height_mm
     )
 }

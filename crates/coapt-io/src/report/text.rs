@@ -5,7 +5,7 @@ use std::fmt::Write;
 use coapt::relax::Status;
 use coapt::scene::{Readable, Settings};
 
-use super::repairs::{joins_edges, repair_line, slack_line};
+use super::repairs::{joins_edges, repair_line, slack_line, slack_mark};
 use super::rows::{TableRow, rows};
 use super::{LeftOutReport, Report, Solve, UntangledReport};
 use crate::escape::escaped;
@@ -39,7 +39,7 @@ pub fn text(report: &Report) -> String {
         line(&mut out, "repair", &repair_line(repair));
     }
     for slack in &report.slack_neochordae {
-        line(&mut out, SLACK, &slack_line(slack));
+        line(&mut out, slack_mark(slack), &slack_line(slack));
     }
     out.push('\n');
     match &report.after {
@@ -83,9 +83,6 @@ pub(crate) const NOT_CERTIFIED: &str = "NOT CERTIFIED";
 /// What coaptation of valves that are joined edge to edge is not.
 pub(crate) const GRASP: &str = "what a clip grasps or stitches hold counts as coaptation: at the joint, as at A2-P2, lengths are in part the grasp's, \
      and do not tell how the leaflets meet beside it";
-
-/// What stands before a neochord that holds nothing back.
-pub(crate) const SLACK: &str = "SLACK";
 
 /// Two lines on how far a result can be trusted.
 fn certificate(out: &mut String, name: &str, solve: &Solve) {

@@ -30,6 +30,7 @@ pub use keyed::part_from_table;
 pub use locate::{locate, located, sentence};
 pub use nearest::nearest;
 pub use parameters::with_parameter;
+pub(crate) use plan::BEFORE;
 pub use plan::{
     ALTERNATIVE_LIMIT, Alternatives, Asked, Bound, SAMPLE_LIMIT, Search, alternative_from_text,
     alternatives_from_text, number_keys, plan_from_text, read_plan, with_number,
@@ -184,28 +185,35 @@ fn finish<T>(value: T, name: &str, text: &str, files: Files) -> Result<(T, Vec<F
             .iter()
             .filter(|(fault, _)| fault.severity == severity)
             .collect();
-        let told = if of_kind.len() > FAULT_LIMIT + 1 {
-            FAULT_LIMIT
-        } else {
-            of_kind.len()
-        };
-        // To find the line of a key is to read the text once more.
-        faults.extend(of_kind[..told].iter().map(|(fault, has_key)| match has_key {
+        faults.extend(limited(name, &of_kind, more, |(fault, has_key)| match has_key {
             true => located(name, text, fault),
             false => fault.clone(),
         }));
-        if told < of_kind.len() {
-            faults.push(more(
-                name.to_owned(),
-                format!("and {} more like these", of_kind.len() - told),
-            ));
-        }
     }
     if any_error {
         Err(faults)
     } else {
         Ok((value, faults))
     }
+}
+
+/// The first faults of one severity as they are told, and how many more there are: to find the line of a key is to read the text once more.
+fn limited<T>(
+    name: &str,
+    faults: &[T],
+    more: impl Fn(String, String) -> Fault,
+    told: impl Fn(&T) -> Fault,
+) -> Vec<Fault> {
+    let count = match faults.len() > FAULT_LIMIT + 1 {
+        true => FAULT_LIMIT,
+        false => faults.len(),
+    };
+    let mut all: Vec<Fault> = faults[..count].iter().map(told).collect();
+    if count < faults.len() {
+        let message = format!("and {} more like these", faults.len() - count);
+        all.push(more(name.to_owned(), message));
+    }
+    all
 }
 
 #[cfg(test)]

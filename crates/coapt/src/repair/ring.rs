@@ -58,10 +58,14 @@ pub struct RingReport {
 pub struct RingExtent {
     /// Transverse diameter [mm]: the extent across the line from its posterior to its anterior middle; a family's size.
     pub width_mm: f64,
-    /// Anteroposterior diameter [mm]: the extent along that line, in the ring's plane; of an open ring to where its anterior middle would be.
+    /// Anteroposterior diameter [mm]: the extent along that line, in the ring's best plane; of an open ring to where its anterior middle
+    /// would be. That of a saddle is up to 1 mm more than its `ap_mm`, which counts across the saddle's own axis: its front rises higher
+    /// than its back, and tilts the best plane.
     pub depth_mm: f64,
     /// Height [mm]: the extent along the normal of its plane; nothing in a planar ring.
     pub height_mm: f64,
+    /// Whether it goes all the way round. Where an open one does not, the annulus stays as deep as it was.
+    pub closed: bool,
 }
 
 /// How large a ring is along its own axes; nothing where these are not told apart.
@@ -83,6 +87,7 @@ fn extent(curve: &RingCurve) -> RingExtent {
         width_mm: along(normal.cross(&front)),
         depth_mm: along(front),
         height_mm: along(normal),
+        closed: curve.closed,
     }
 }
 
@@ -315,6 +320,7 @@ pub(super) mod tests {
                     "{family} {size}: {laid:?}"
                 );
                 let is_planar = matches!(family, "classic-like" | "posterior-band");
+                assert_eq!(laid.closed, !is_planar, "{family}");
                 assert_eq!(laid.height_mm < 1e-9, is_planar, "{family} {size}: {laid:?}");
             }
         }

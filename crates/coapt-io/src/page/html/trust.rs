@@ -16,7 +16,7 @@ pub(super) fn trust(page: &Page) -> String {
     let slack = page.report["slack_neochordae"].as_array().into_iter().flatten();
     let slack = slack.filter_map(|slack| SlackNeochord::deserialize(slack).ok());
     out += &told(
-        "Neochordae that hold nothing back",
+        "Neochordae with slack strands",
         slack.map(|slack| slack_line(&slack)),
     );
     let of_alternatives = page.report["alternatives"].as_array().into_iter().flatten();

@@ -119,24 +119,28 @@ fn read(
     for (key, message) in &document.repeated {
         files.warning(key, message);
     }
-    let made = alternatives(document, &mut files);
+    let mut made = alternatives(document, &mut files);
     files.judge_frames();
-    let (mut made, mut warnings) = finish(made, &name, text, files)?;
+    // Among all alternatives, for it counts them as they stand in the file.
+    let search = search.map(|keys| asked::search(keys, &made)).transpose();
+    for (key, message) in fold(&mut made) {
+        files.warning(&key, message);
+    }
+    let (mut made, warnings) = finish(made, &name, text, files)?;
     let told = |faults: Vec<Fault>| {
         let located = |fault: &Fault| located(&name, text, fault);
         faults.iter().map(located).collect::<Vec<_>>()
     };
-    made.asked.search = search
-        .map(|keys| asked::search(keys, &made).map_err(told))
-        .transpose()?;
-    let repeated = fold(&mut made);
-    warnings.extend(repeated.iter().map(|fault| located(&name, text, fault)));
+    made.asked.search = search.map_err(told)?;
     Ok((made, warnings))
 }
 
+/// What the valve as it is is called beside alternatives.
+pub(crate) const BEFORE: &str = "before";
+
 /// Takes alternatives out whose repairs are those of an earlier one, and tells them: closed again they would be the same valve, and share
-/// its rank. A search has found its repairs by then.
-fn fold(made: &mut Alternatives) -> Vec<Fault> {
+/// its rank. Keys and messages of warnings.
+fn fold(made: &mut Alternatives) -> Vec<(String, String)> {
     let mut repeated = Vec::new();
     let mut known: BTreeMap<String, String> = BTreeMap::new();
     let mut keys = std::mem::take(&mut made.keys).into_iter();
@@ -145,12 +149,9 @@ fn fold(made: &mut Alternatives) -> Vec<Fault> {
         // Repairs are numbers and words, which can be written.
         let repairs = serde_json::to_string(&alternative.repairs).unwrap_or_default();
         if let Some(first) = known.get(&repairs) {
-            let place = keys.last().map_or("alternative", String::as_str);
-            let message = format!(
-                "makes of `{}` what `{first}` is; it is closed once",
-                alternative.name
-            );
-            repeated.push(Fault::warning(place, message));
+            let place = keys.last().cloned().unwrap_or_else(|| "alternative".to_owned());
+            let message = format!("is done by `{first}` already; the alternative is closed once");
+            repeated.push((place, message));
             continue;
         }
         known.insert(repairs, alternative.name.clone());

@@ -98,10 +98,7 @@ impl Names {
         if words.is_empty() {
             words.extend(common.iter().map(|it| self.words(it, &all_keys(it))));
         }
-        let done = match words.is_empty() {
-            true => "no repair".to_owned(),
-            false => words.join(" + "),
-        };
+        let done = words.join(" + ");
         let name = match block {
             Some(name) if is_only => name.to_owned(),
             Some(name) => format!("{name}: {done}"),

@@ -7,7 +7,9 @@ use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
 use super::super::document::{is_json, parse_json, toml_table, typed};
+use super::super::limited;
 use super::super::locate::located;
+use super::BEFORE;
 use super::asked::{Asked, SamplingKeys, SearchKeys, sampling};
 use super::sweep::{KIND, Sweeps, alone, repair, sweeps};
 
@@ -124,9 +126,7 @@ pub(super) fn document(file: &str, text: &str) -> Result<Document, Vec<Fault>> {
         false => from_toml(file, text)?,
     };
     let mut faults = Vec::new();
-    let mut fault = |key: String, message: String| {
-        faults.push(located(file, text, &Fault::error(key, message)));
-    };
+    let mut fault = |key: String, message: String| faults.push(Fault::error(key, message));
     for place in &mut places {
         for (key, message) in place.sweeps.settle(&mut place.table) {
             fault(format!("{}.{key}", place.key), message);
@@ -139,8 +139,9 @@ pub(super) fn document(file: &str, text: &str) -> Result<Document, Vec<Fault>> {
     for wrong in read.uncertainty.iter().flat_map(|keys| sampling(keys).1) {
         fault(wrong.place, wrong.message);
     }
+    faults.extend(unusable(&read));
     if !faults.is_empty() {
-        return Err(faults);
+        return Err(refused(file, text, &faults));
     }
     let mut repeated = Vec::new();
     for place in &mut places {
@@ -151,6 +152,37 @@ pub(super) fn document(file: &str, text: &str) -> Result<Document, Vec<Fault>> {
         repeated,
         ..grouped(read, places)
     })
+}
+
+/// Errors with their lines.
+fn refused(file: &str, text: &str, errors: &[Fault]) -> Vec<Fault> {
+    limited(file, errors, Fault::error, |fault| located(file, text, fault))
+}
+
+/// Alternatives that do nothing, or whose names would be taken for something else.
+fn unusable(read: &PlanOfOne) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    let common = read.repair.is_empty();
+    if common && read.alternative.is_empty() {
+        let message = "is missing; expected at least one [[repair]] or [[alternative.repair]]";
+        faults.push(Fault::error("repair", message));
+    }
+    for (number, alternative) in read.alternative.iter().enumerate() {
+        let key = format!("alternative[{number}]");
+        if common && alternative.repair.is_empty() {
+            let message = "has no repair; expected at least one [[alternative.repair]] (the valve as it is stands first in any case)";
+            faults.push(Fault::error(key.clone(), message));
+        }
+        let name = alternative.name.as_deref().map(str::trim);
+        if let Some("" | BEFORE) = name {
+            let message = format!(
+                "is `{}`; expected a name that tells it from others, `{BEFORE}` being that of the valve as it is",
+                name.unwrap_or_default()
+            );
+            faults.push(Fault::error(format!("{key}.name"), message));
+        }
+    }
+    faults
 }
 
 /// What is wrong with criteria.
@@ -226,7 +258,7 @@ fn places(file: &str, text: &str, document: &Table) -> Result<Vec<Place>, Vec<Fa
         faults.extend(
             wrong
                 .into_iter()
-                .map(|(of, message)| located(file, text, &Fault::error(format!("{key}.{of}"), message))),
+                .map(|(of, message)| Fault::error(format!("{key}.{of}"), message)),
         );
         places.push(Place {
             key,
@@ -237,7 +269,7 @@ fn places(file: &str, text: &str, document: &Table) -> Result<Vec<Place>, Vec<Fa
     }
     match faults.is_empty() {
         true => Ok(places),
-        false => Err(faults),
+        false => Err(refused(file, text, &faults)),
     }
 }
 
@@ -327,16 +359,12 @@ fn from_json(file: &str, text: &str) -> Result<(Vec<Place>, PlanOfOne), Vec<Faul
     for place in &mut places {
         place.sweeps.settle(&mut place.table);
         if let Some((key, message)) = wrong_key(&place.table) {
-            faults.push(located(
-                file,
-                text,
-                &Fault::error(format!("{}{key}", place.key), message),
-            ));
+            faults.push(Fault::error(format!("{}{key}", place.key), message));
         }
         put(&mut document, &place.key, &place.table);
     }
     if !faults.is_empty() {
-        return Err(faults);
+        return Err(refused(file, text, &faults));
     }
     let document =
         serde_json::to_string(&document).map_err(|error| vec![Fault::error(file, error.to_string())])?;

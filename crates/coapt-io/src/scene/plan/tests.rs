@@ -83,7 +83,7 @@ fn what_is_there_twice_is_closed_once_and_told() {
     );
     assert_eq!(
         told,
-        ["p.toml:10: alternative[1].repair[0]: makes of `b` what `ring 30` is; it is closed once"]
+        ["p.toml:10: alternative[1].repair[0] is done by `ring 30` already; the alternative is closed once"]
     );
     let (made, told) = read(&format!("[[alternative]]\n{RING}size_mm = [28, 30]\n"), 10);
     assert_eq!((made.alternatives.len(), told.len()), (2, 0));
@@ -312,9 +312,47 @@ fn faults_have_lines() {
 
 #[test]
 fn criteria_are_those_of_the_plan() {
-    let made = made("[ranking]\ncriteria = [\"strain\", \"orifice\"]\n");
+    let criteria = "[ranking]\ncriteria = [\"strain\", \"orifice\"]\n";
+    let made = made(&format!("[[alternative]]\n{RING}size_mm = 28\n{criteria}"));
     assert_eq!(made.ranked_by(), [Criterion::Strain, Criterion::Orifice]);
-    assert_eq!(names(&made), ["no repair"]);
+}
+
+/// However much is wrong or there twice, twenty of it are told and how much more there is.
+#[test]
+fn faults_of_plans_are_told_up_to_twenty() {
+    let alternative = |sizes: &str| format!("[[alternative]]\n{RING}size_mm = {sizes}\n");
+    for sizes in ["[]", "[28, \"large\"]"] {
+        let told = faults(&alternative(sizes).repeat(30));
+        assert_eq!(told.len(), 21, "{told:#?}");
+        assert!(told[20].contains("and 10 more like these"), "{told:#?}");
+    }
+    let text = format!("{START}{}", alternative("28").repeat(30));
+    let (made, warnings) = alternatives_from_text(Path::new("p.toml"), &text, 30).unwrap();
+    assert_eq!((made.alternatives.len(), warnings.len()), (1, 21));
+}
+
+/// What does nothing would rank above what does harm, and a name that stands for the valve as it is, or none, tells nothing.
+#[test]
+fn alternatives_without_a_repair_or_a_name_are_refused() {
+    assert!(faults("")[0].contains("repair is missing"), "{:?}", faults(""));
+    let ring = format!("[[alternative]]\n{RING}size_mm = 28\n");
+    let idle = faults(&format!("{ring}[[alternative]]\nname = \"nothing\"\n"));
+    assert!(idle[0].contains("alternative[1] has no repair"), "{idle:?}");
+    for name in ["", " ", "before"] {
+        let named = ring.replace(
+            "[[alternative]]\n",
+            &format!("[[alternative]]\nname = \"{name}\"\n"),
+        );
+        let told = faults(&named);
+        assert!(told[0].contains("alternative[0].name is `"), "{told:?}");
+    }
+    // A common repair is one.
+    let common = format!(
+        "{}[[alternative]]\nname = \"the ring alone\"\n",
+        ring.replace("alternative.repair", "repair")
+            .replace("[[alternative]]\n", "")
+    );
+    assert_eq!(names(&made(&common)), ["the ring alone"]);
 }
 
 /// JSON makes the same alternatives; its faults have keys instead of lines.

@@ -5,13 +5,13 @@ use super::*;
 /// What is asked for is read with its defaults; what ranks is computed.
 #[test]
 fn a_plan_asks_for_more_than_closures() {
-    let none = made(&format!("[[alternative]]\n{RING}size_mm = 28\n"));
-    assert_eq!(none.asked, Asked::default());
-    let ranked = made("[ranking]\ncriteria = [\"diastolic_orifice\"]\n");
+    let ring = format!("[[alternative]]\n{RING}size_mm = 28\n");
+    assert_eq!(made(&ring).asked, Asked::default());
+    let ranked = made(&format!("{ring}[ranking]\ncriteria = [\"diastolic_orifice\"]\n"));
     assert!(ranked.asked.diastole && !ranked.asked.sensitivities);
-    let all = made(
-        "diastole = true\nsensitivities = true\nwarm = true\n[uncertainty]\nsamples = 7\npressure = 0\n",
-    );
+    let all = made(&format!(
+        "diastole = true\nsensitivities = true\nwarm = true\n{ring}[uncertainty]\nsamples = 7\npressure = 0\n"
+    ));
     let sampling = all.asked.sampling.unwrap();
     assert!(all.asked.diastole && all.asked.sensitivities && all.asked.warm);
     assert_eq!(
