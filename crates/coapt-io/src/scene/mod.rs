@@ -32,7 +32,7 @@ pub use nearest::nearest;
 pub use parameters::with_parameter;
 pub use plan::{
     ALTERNATIVE_LIMIT, Alternatives, Asked, Bound, SAMPLE_LIMIT, Search, alternative_from_text,
-    alternatives_from_text, number_keys, plan_from_text, read_plan, with_number,
+    alternatives_from_text, alternatives_up_to, number_keys, plan_from_text, read_plan, with_number,
 };
 pub use write::{stage_scene, write_scene};
 
