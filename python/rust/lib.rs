@@ -47,7 +47,7 @@ mod _coapt {
     #[pymodule_export]
     use crate::replay::replayed;
     #[pymodule_export]
-    use crate::study::{Study, StudyOfLaws, study, study_laws};
+    use crate::study::{Study, StudyOfLaws, study, study_laws, study_no_sizes, study_sizes};
     #[pymodule_export]
     use crate::tissue::fit_tissue;
     #[pymodule_export]
@@ -55,8 +55,6 @@ mod _coapt {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        module.add("STUDY_FACES", coapt_io::study::FACES)?;
-        module.add("STUDY_REFERENCE_FINER", coapt_io::study::REFERENCE_FINER)?;
         module.add("FILM_FRAMES", coapt::film::FRAMES)?;
         module.add("FILM_FRAME_LIMIT", coapt_io::record::FRAME_LIMIT)?;
         module.add("PAGE_ALTERNATIVES", coapt_io::page::SHOWN_ALTERNATIVES)?;

@@ -7,7 +7,7 @@ use coapt::plan::{Progress, Watch};
 use coapt::scene::Fault;
 use coapt_io::page::page_of_plan;
 use coapt_io::plan::{self, PlanFile, PlanReport, Shapes, Stage, csv, prepare_shapes, text, write_plan};
-use coapt_io::scene::{alternatives_from_text, read_text};
+use coapt_io::scene::{alternatives_up_to, read_text};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -101,10 +101,11 @@ fn carried_out(
 }
 
 impl Text {
+    /// The plan to name lines in: of what was made of a dictionary nobody has seen a line.
     fn file(&self) -> PlanFile<'_> {
         PlanFile {
             name: &self.name,
-            text: &self.text,
+            text: if self.is_made { "" } else { &self.text },
         }
     }
 
@@ -128,7 +129,9 @@ fn carry_out(
     max_alternatives: u64,
     (stop, count): (&Stop, &Count),
 ) -> Result<Done, Vec<Fault>> {
-    let (mut plan, more) = alternatives_from_text(Path::new(&text.name), &text.text, max_alternatives)?;
+    let path = Path::new(&text.name);
+    let (mut plan, more) = alternatives_up_to(path, &text.text, max_alternatives, "max_alternatives")?;
+    let more = more.iter().map(|warning| text.told(warning));
     let warnings: Vec<Fault> = built.warnings.iter().cloned().chain(more).collect();
     let on_stage = |stage, work: &mut dyn FnMut(Watch)| {
         let is_counted = match stage {

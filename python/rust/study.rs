@@ -9,8 +9,8 @@ use coapt::relax::relax_watched;
 use coapt::scene::{Fault, Scene};
 use coapt::state::State;
 use coapt_io::study::{
-    LawStudy, Laws, MeshOfLaws, REFERENCE, Tried, carry_out, carry_out_laws, closure_count, csv, csv_of_laws,
-    svg, text, text_of_laws, write_laws, write_study,
+    FACES, FACES_OF_LAWS, LawStudy, Laws, MeshOfLaws, REFERENCE, Sizes, Tried, carry_out, carry_out_laws,
+    closure_count, csv, csv_of_laws, expect_no_sizes, svg, text, text_of_laws, write_laws, write_study,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -35,6 +35,30 @@ pub(crate) struct StudyOfLaws {
     inner: Arc<LawStudy>,
 }
 
+/// Mesh sizes of a preset to be studied, in triangles, and that of the reference.
+#[pyfunction]
+pub(crate) fn study_sizes(
+    py: Python<'_>,
+    faces: Option<Vec<i64>>,
+    reference_faces: Option<i64>,
+    laws: bool,
+) -> PyResult<(Vec<u32>, u32)> {
+    let usual: &[u32] = if laws { &FACES_OF_LAWS } else { &FACES };
+    let sizes = Sizes::asked(faces.as_deref(), reference_faces, usual);
+    let sizes = sizes.map_err(|faults| input_error(py, &faults))?;
+    Ok((sizes.faces, sizes.reference_faces))
+}
+
+/// Refuses mesh sizes of valves that are not generated.
+#[pyfunction]
+pub(crate) fn study_no_sizes(
+    py: Python<'_>,
+    faces: Option<Vec<i64>>,
+    reference_faces: Option<i64>,
+) -> PyResult<()> {
+    expect_no_sizes(faces.as_deref(), reference_faces).map_err(|faults| input_error(py, &faults))
+}
+
 /// Closes valves at many settings; none where the reference does not close to a certified state.
 #[pyfunction]
 pub(crate) fn study(
@@ -43,15 +67,11 @@ pub(crate) fn study(
     reference: Bound<'_, Valve>,
     tolerances: Option<Vec<f64>>,
     thicknesses_mm: Option<Vec<f64>>,
-    repeats: Option<u16>,
+    repeats: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Option<Study>> {
-    let usual = Tried::default();
-    let tried = Tried {
-        tolerances: tolerances.unwrap_or(usual.tolerances),
-        thicknesses_mm: thicknesses_mm.unwrap_or(usual.thicknesses_mm),
-        repeats: repeats.unwrap_or(usual.repeats),
-    };
+    let tried = Tried::asked(tolerances, thicknesses_mm, repeats);
+    let tried = tried.map_err(|faults| input_error(py, &faults))?;
     let models: Vec<Model> = valves
         .iter()
         .map(|valve| valve.get().built.model.clone())
@@ -73,7 +93,7 @@ pub(crate) fn study_laws(
     py: Python<'_>,
     valves: Vec<Bound<'_, Valve>>,
     reference: Option<Bound<'_, Valve>>,
-    repeats: Option<u16>,
+    repeats: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<StudyOfLaws> {
     let meshes: Vec<Arc<Built>> = valves
@@ -81,7 +101,7 @@ pub(crate) fn study_laws(
         .map(|valve| Arc::clone(&valve.get().built))
         .collect();
     let finest = reference.map(|reference| Arc::clone(&reference.get().built));
-    let repeats = repeats.unwrap_or(coapt_io::study::REPEATS);
+    let repeats = coapt_io::study::repeats(repeats).map_err(|fault| input_error(py, &[fault]))?;
     let done = run_told(py, progress, move |stop, count| {
         let laws = Laws::new()?;
         count.begin(laws.count() * meshes.len() * usize::from(repeats));

@@ -244,6 +244,141 @@ def test_parameters_are_told_by_key():
         coapt.generate("helthy")
 
 
+@pytest.fixture(scope="module")
+def valve():
+    return coapt.generate("healthy", faces=160)
+
+
+A_VALVE = r'expected a coapt\.Valve, such as coapt\.generate\("healthy"\)'
+A_SURFACE = r"expected a coapt\.Closed, such as valve\.close\(\), the path of a surface, or a tuple of points"
+WRONG_TYPES = {
+    "plan": (lambda valve: coapt.plan("dilated", [coapt.Ring.saddle(30)]), "valve is 'dilated'; " + A_VALVE),
+    "closure": (lambda valve: coapt.closure("dilated"), "valve is 'dilated'; " + A_VALVE),
+    "closure of a closed valve": (lambda valve: coapt.closure(valve.close()), "valve is <coapt.Closed .*; " + A_VALVE),
+    "export": (lambda valve: coapt.export("x", "out.inp", format="calculix"), "valve is 'x'; " + A_VALVE),
+    "personalise": (lambda valve: coapt.personalise("x", "out.vtp"), "valve is 'x'; " + A_VALVE),
+    "close_many": (lambda valve: coapt.close_many([valve, "dilated"]), r"valves\[1\] is 'dilated'; " + A_VALVE),
+    "close_many of text": (lambda valve: coapt.close_many("dilated"), "valves is 'dilated'; expected valves, such as"),
+    "close_many of one": (lambda valve: coapt.close_many(valve), "valves is <coapt.Valve 'healthy'.*; expected valves, such as"),
+    "study": (lambda valve: coapt.study(["healthy"]), r"valve\[0\] is 'healthy'; " + A_VALVE),
+    "study of a number": (lambda valve: coapt.study(3), "valve is 3; expected valves, such as"),
+    "study of no list": (lambda valve: coapt.study("healthy", faces=160), "faces is 160; expected a sequence of mesh sizes"),
+    "study against a name": (lambda valve: coapt.study(valve, reference="healthy"), "reference is 'healthy'; " + A_VALVE),
+    "result": (lambda valve: coapt.compare(valve, "out.vtp"), "result is <coapt.Valve .*; " + A_SURFACE),
+    "reference": (lambda valve: coapt.compare("out.vtp", valve), "reference is <coapt.Valve .*; " + A_SURFACE),
+    "closed_surface": (lambda valve: coapt.personalise(valve, valve), "closed_surface is <coapt.Valve .*; " + A_SURFACE),
+    "surface of three": (lambda valve: coapt.compare((1, 2, 3), "out.vtp"), r"result is \(1, 2, 3\); " + A_SURFACE),
+    "array": (lambda valve: coapt.compare(np.zeros((99, 3)), "out.vtp"), r"result is array\(\[\[0\., 0\., .*; " + A_SURFACE),
+    "one repair": (
+        lambda valve: coapt.plan(valve, coapt.Ring.saddle(30)),
+        r"alternatives is Ring\(.*; expected .* such as \[coapt\.Ring\.physio_like\(30\)\]",
+    ),
+    "live": (lambda valve: coapt.Live(valve), r"closed is <coapt.Valve .*; expected a coapt\.Closed, such as valve\.close\(\)"),
+    "max_alternatives": (
+        lambda valve: coapt.plan(valve, [coapt.Ring.saddle(30)], max_alternatives="many"),
+        "max_alternatives is 'many'; expected a whole number from 1",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_TYPES)
+def test_arguments_of_a_wrong_type_are_told_by_name(name, valve):
+    work, words = WRONG_TYPES[name]
+    with pytest.raises(TypeError, match=f"^{words}"):
+        work(valve)
+
+
+SIZE = "expected a whole number from 100 to 1000000"
+WRONG_STUDIES = {
+    "no valve": (lambda valve: ([], {}), ["valve is an empty sequence; expected a preset, a valve, or at least one valve"]),
+    "repeats": (lambda valve: (valve, {"repeats": 0}), ["repeats is 0; expected a whole number from 1 to 1000"]),
+    "repeats of laws": (
+        lambda valve: (valve, {"laws": True, "repeats": -1}),
+        ["repeats is -1; expected a whole number from 1 to 1000"],
+    ),
+    "settings": (
+        lambda valve: (valve, {"tolerances": [0.1, -1], "thicknesses_mm": [0, 9]}),
+        [
+            "tolerances[1] is -1; expected a number above 0 and below 1",
+            "thicknesses_mm[0] is 0; expected a number of mm above 0, at most 5",
+            "thicknesses_mm[1] is 9; expected a number of mm above 0, at most 5",
+        ],
+    ),
+    "no tolerance": (lambda valve: (valve, {"tolerances": []}), ["tolerances is empty; expected at least one residual"]),
+    "no size": (lambda valve: ("healthy", {"faces": []}), ["faces is empty; expected at least one mesh size, in triangles"]),
+    "sizes": (
+        lambda valve: ("healthy", {"faces": [-1, 160], "reference_faces": 0, "laws": True}),
+        [f"faces[0] is -1; {SIZE}", f"reference_faces is 0; {SIZE}"],
+    ),
+    "coarse reference": (
+        lambda valve: ("healthy", {"faces": [150, 300], "reference_faces": 200}),
+        ["reference_faces is 200, coarser than the finest mesh studied; expected at least 300"],
+    ),
+    "sizes of a valve": (
+        lambda valve: (valve, {"faces": [2600], "reference_faces": 5200}),
+        [
+            "faces is [2600], which is for presets; expected none: any other valve has the mesh that it has",
+            "reference_faces is 5200, which is for presets; expected none: any other valve has the mesh that it has",
+        ],
+    ),
+    "reference of a preset": (
+        lambda valve: ("healthy", {"reference": valve}),
+        [
+            "reference is <coapt.Valve 'healthy': 170 triangles, 100 mmHg>, which is for valves; "
+            "expected none beside a preset, but reference_faces"
+        ],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_STUDIES)
+def test_wrong_studies_are_refused_as_by_the_program(name, valve):
+    make, words = WRONG_STUDIES[name]
+    given, keywords = make(valve)
+    with pytest.raises(coapt.InputError) as caught:
+        coapt.study(given, **keywords)
+    assert [str(fault) for fault in caught.value.faults] == words
+
+
+@pytest.mark.parametrize("alternatives", [[], {}, [[]]])
+def test_plans_without_a_repair_are_refused(valve, alternatives):
+    with pytest.raises(coapt.InputError):
+        coapt.plan(valve, alternatives)
+
+
+def test_too_many_alternatives_are_told_in_the_words_of_the_package(valve):
+    rings = [coapt.Ring.physio_like(size) for size in (28, 30, 32)]
+    with pytest.raises(coapt.InputError, match=r"^plan has 3 alternatives.*expected 2 at most \(max_alternatives\)$"):
+        coapt.plan(valve, rings, max_alternatives=2)
+    for wrong in (-1, 0):
+        with pytest.raises(ValueError, match=f"^max_alternatives is {wrong}; expected a whole number from 1$"):
+            coapt.plan(valve, rings, max_alternatives=wrong)
+
+
+def test_one_is_not_many(valve):
+    ring = coapt.Ring.physio_like(30)
+    done = coapt.plan(valve, [ring], max_alternatives=np.int64(1))
+    assert repr(done) == "<coapt.PlanResult of 1 alternative>"
+    assert repr(valve.with_repair(ring)).endswith(", 1 repair>")
+    study = coapt.study(valve, tolerances=[1e-2], thicknesses_mm=[], repeats=1)
+    assert repr(study) == "<coapt.StudyResult of 1 closure>"
+
+
+def test_plans_of_python_values_name_no_lines(valve, tmp_path):
+    """What nobody has written in a file has no line: neither doubts about the plan nor why an alternative cannot be carried out."""
+    ring = coapt.Ring.physio_like(30)
+    # The healthy valve has no cleft there.
+    told = coapt.plan(valve, [ring, ring, coapt.CloseCleft(position=0.35, depth_mm=1.0)]).to_dict()
+    of_rows = [words for row in told["alternatives"] for words in row["warnings"] + row["faults"]]
+    assert any("closed once" in words for words in told["warnings"]) and of_rows
+    assert all(words.startswith("plan: ") for words in told["warnings"] + of_rows), (told["warnings"], of_rows)
+    # Of a file it is told.
+    file = tmp_path / "plan.toml"
+    block = '[[alternative]]\n[[alternative.repair]]\nkind = "ring"\nfamily = "physio-like"\nsize_mm = 30\n'
+    file.write_text("schema_version = 1\n" + 2 * block)
+    assert coapt.plan(valve, file).to_dict()["warnings"][0].startswith(f"{file}:8: ")
+
+
 ANY_ARRAY = arrays.arrays(
     dtype=st.one_of(
         arrays.floating_dtypes(), arrays.integer_dtypes(), arrays.boolean_dtypes(), arrays.unicode_string_dtypes(max_len=3)

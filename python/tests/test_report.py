@@ -107,7 +107,7 @@ def test_what_stands_against_a_page_is_said_and_nothing_half_is_written(valve, d
         done.report(old, recording=folder / "other.mcap")
     with pytest.raises(coapt.InputError, match="keep_shapes"):
         coapt.plan(valve, [coapt.Ring.physio_like(30)]).report(old)
-    with pytest.raises(ValueError, match="most is -1; expected a number from 0"):
+    with pytest.raises(ValueError, match="most is -1; expected a whole number from 0"):
         plan.report(old, most=-1)
     assert old.read_text() == "an old page"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "old.html"]

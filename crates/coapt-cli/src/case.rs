@@ -10,7 +10,7 @@ use coapt_io::scene::{located, nearest, read_text, scene_file, scene_within, sen
 
 /// Faces of a preset that is closed without being written first: as many as the models of paper 003, so that an
 /// answer is there at once. `coapt generate` writes finer ones.
-pub(crate) const FACES_OF_A_PRESET: u32 = 650;
+const FACES_OF_A_PRESET: u32 = 650;
 
 /// How large a valve may be.
 #[derive(Clone, Copy, Debug, Args)]

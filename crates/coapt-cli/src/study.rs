@@ -11,9 +11,11 @@ use coapt::model::Model;
 use coapt::relax::Equilibrium;
 use coapt::scene::Fault;
 use coapt_io::atomic::make_folder;
-use coapt_io::study::{FACES, REFERENCE_FINER, Tried, carry_out, text, write_study};
+use coapt_io::study::{
+    self, FACES, FACES_ALLOWED, REPEATS_ALLOWED, Sizes, Tried, carry_out, expect_no_sizes, text, write_study,
+};
 
-use crate::case::{self, Case, FACES_OF_A_PRESET, SizeLimit, Source};
+use crate::case::{self, Case, SizeLimit, Source};
 use crate::closure::on_threads;
 use crate::interrupt::close_watched;
 use crate::output::{Failure, Verdict, print, say};
@@ -40,7 +42,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = thickness, default_value = "0.3,0.5,0.8")]
     thickness: Vec<f64>,
     /// Closures of each setting, of which the median time counts
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = value_parser!(u16).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = repeats())]
     repeats: u16,
     /// Folder for study.csv, study.json and study.svg (of laws laws.csv and laws.json), made if need be; results of an
     /// earlier run are replaced
@@ -53,25 +55,27 @@ pub(crate) struct Arguments {
     limit: SizeLimit,
 }
 
-/// More triangles are generated for no valve.
-const MOST_FACES: u32 = 1_000_000;
-/// Thicker contact than this [mm] would hold leaflets of any valve apart at rest.
-const THICKEST_MM: f64 = 5.0;
-
 fn mesh_size() -> RangedI64ValueParser<u32> {
-    value_parser!(u32).range(100..=i64::from(MOST_FACES))
+    let (least, most) = FACES_ALLOWED.into_inner();
+    value_parser!(u32).range(i64::from(least)..=i64::from(most))
+}
+
+fn repeats() -> RangedI64ValueParser<u16> {
+    let (least, most) = REPEATS_ALLOWED.into_inner();
+    value_parser!(u16).range(i64::from(least)..=i64::from(most))
 }
 
 fn tolerance(word: &str) -> Result<f64, String> {
-    let inside = |value: &f64| *value > 0.0 && *value < 1.0;
-    let number = word.trim().parse().ok().filter(inside);
-    number.ok_or_else(|| "expected a number above 0 and below 1".to_owned())
+    study::tolerance(number(word))
 }
 
 fn thickness(word: &str) -> Result<f64, String> {
-    let inside = |value: &f64| *value > 0.0 && *value <= THICKEST_MM;
-    let number = word.trim().parse().ok().filter(inside);
-    number.ok_or_else(|| format!("expected a number of mm above 0, at most {THICKEST_MM}"))
+    study::thickness_mm(number(word))
+}
+
+/// A word that is no number is as wrong as a number outside of every range.
+fn number(word: &str) -> f64 {
+    word.trim().parse().unwrap_or(f64::NAN)
 }
 
 /// Runs the verb.
@@ -134,38 +138,29 @@ fn models(arguments: &Arguments) -> Result<(Vec<Model>, Model), Failure> {
 /// reference.
 fn cases(arguments: &Arguments, usual_faces: &[u32]) -> Result<(Vec<Case>, Option<Case>), Failure> {
     let case = case::open(arguments.scene.as_deref(), arguments.limit)?;
+    let faces: Option<Vec<i64>> = match &arguments.faces[..] {
+        [] => None,
+        faces => Some(faces.iter().copied().map(i64::from).collect()),
+    };
+    let (faces, reference_faces) = (faces.as_deref(), arguments.reference_faces.map(i64::from));
     let Source::Preset(preset) = case.source else {
-        return of_scene(arguments, case);
+        expect_no_sizes(faces, reference_faces).map_err(of_options)?;
+        return Ok((vec![case], None));
     };
-    let mut sizes = match &arguments.faces[..] {
-        [] => usual_faces.to_vec(),
-        faces => faces.to_vec(),
-    };
-    sizes.sort_unstable();
-    sizes.dedup();
-    let finest = sizes.last().copied().unwrap_or(FACES_OF_A_PRESET);
-    let of_reference = arguments
-        .reference_faces
-        .unwrap_or(MOST_FACES.min(finest.saturating_mul(REFERENCE_FINER)));
-    if of_reference < finest {
-        let message =
-            format!("is {of_reference}, coarser than the finest mesh studied; expected at least {finest}");
-        return Err(vec![Fault::error("--reference-faces", message)].into());
-    }
+    let sizes = Sizes::asked(faces, reference_faces, usual_faces).map_err(of_options)?;
     let of_size = |faces: u32| -> Result<Case, Failure> { Ok(case::preset(preset, faces, arguments.limit)?) };
-    let cases = sizes.into_iter().map(of_size).collect::<Result<Vec<_>, _>>()?;
-    Ok((cases, Some(of_size(of_reference)?)))
+    let cases = sizes
+        .faces
+        .into_iter()
+        .map(of_size)
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok((cases, Some(of_size(sizes.reference_faces)?)))
 }
 
-fn of_scene(arguments: &Arguments, case: Case) -> Result<(Vec<Case>, Option<Case>), Failure> {
-    for (option, given) in [
-        ("--faces", !arguments.faces.is_empty()),
-        ("--reference-faces", arguments.reference_faces.is_some()),
-    ] {
-        if given {
-            let message = "is for presets: a scene has the mesh that it has";
-            return Err(vec![Fault::error(option, message)].into());
-        }
+/// Faults of what was asked for, whose places are keys, called by the options of those keys.
+fn of_options(mut faults: Vec<Fault>) -> Vec<Fault> {
+    for fault in &mut faults {
+        fault.place = format!("--{}", fault.place.replace('_', "-"));
     }
-    Ok((vec![case], None))
+    faults
 }

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, cast
 
 import coapt._coapt as _core
 from coapt._closed import Closed, Colour, checked_frames
+from coapt._given import A_VALVE, of_type
 from coapt._plain import Json
 from coapt._repairs import Repair
 from coapt._valve import Valve
@@ -131,9 +132,12 @@ def closure(valve: Valve, *repairs: Repair) -> Closure:
     ------
     InputError
         Why a repair cannot be carried out; before anything is closed.
+    TypeError
+        What is no valve.
     KeyboardInterrupt
         Within 0.2 s of Ctrl-C.
     """
+    of_type(Valve, "valve", valve, A_VALVE)
     valves = [valve] if not repairs else [valve, valve.with_repair(*repairs)]
     closed = [Closed._of(made) for made in _core.close_many([one._native for one in valves], None)]
     return Closure(closed[0], closed[1] if repairs else None)

@@ -20,8 +20,6 @@ __all__ = [
     "FILM_FRAME_LIMIT",
     "FIT_UP_TO_KPA",
     "PAGE_ALTERNATIVES",
-    "STUDY_FACES",
-    "STUDY_REFERENCE_FINER",
     "Closed",
     "Comparison",
     "Fit",
@@ -46,14 +44,14 @@ __all__ = [
     "replay",
     "study",
     "study_laws",
+    "study_no_sizes",
+    "study_sizes",
 ]
 
 FILM_FRAMES: int
 FILM_FRAME_LIMIT: int
 FIT_UP_TO_KPA: float
 PAGE_ALTERNATIVES: int
-STUDY_FACES: list[int]
-STUDY_REFERENCE_FINER: int
 __version__: str
 
 @final
@@ -249,6 +247,10 @@ class StudyOfLaws:
     @staticmethod
     def from_stored(bytes: bytes) -> StudyOfLaws: ...
 
+def study_sizes(
+    faces: Sequence[int] | None, reference_faces: int | None, laws: bool
+) -> tuple[list[int], int]: ...
+def study_no_sizes(faces: Sequence[int] | None, reference_faces: int | None) -> None: ...
 def study(
     valves: Sequence[Valve],
     reference: Valve,

@@ -8,6 +8,7 @@ from typing import TypeAlias, Union, cast, final
 import coapt._coapt as _core
 from coapt._arrays import FloatArray, GivenIndices
 from coapt._closed import Closed
+from coapt._given import wrong_type
 from coapt._plain import Vector
 from coapt._result import Result
 
@@ -68,9 +69,27 @@ def compare(
     ------
     InputError
         Surfaces that cannot be compared.
+    TypeError
+        What is no surface, such as an open valve.
     """
-    given = [it._native if isinstance(it, Closed) else it for it in (result, reference)]
+    given = native_surface("result", result), native_surface("reference", reference)
     direction = None if atrial_direction is None else tuple(float(part) for part in atrial_direction)
     return Comparison._of(
         _core.compare(given[0], given[1], cast("tuple[float, float, float] | None", direction), thickness_mm)
     )
+
+
+def native_surface(name: str, given: Surface) -> _core._Surface:
+    """A surface as the native half takes it.
+
+    Raises
+    ------
+    TypeError
+        What is none.
+    """
+    if isinstance(given, Closed):
+        return given._native
+    if isinstance(given, (str, os.PathLike)) or (isinstance(given, tuple) and len(given) == 2):
+        return given
+    expected = "a coapt.Closed, such as valve.close(), the path of a surface, or a tuple of points [mm] and triangles"
+    raise wrong_type(name, given, expected)

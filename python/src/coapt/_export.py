@@ -7,6 +7,7 @@ from typing import Literal
 
 import coapt._coapt as _core
 from coapt._errors import Fault, fault_of
+from coapt._given import A_VALVE, of_type
 from coapt._valve import Valve
 
 Engine = Literal["calculix", "febio"]
@@ -43,15 +44,18 @@ def export(
     ------
     ValueError
         Neither or both of ``format`` and ``results``; another format.
+    TypeError
+        What is no valve.
     InputError
         A law, a load or sutures that the engine has no equal of; a result that is none of this valve.
     OSError
         What the file system says.
     """
+    native = of_type(Valve, "valve", valve, A_VALVE)._native
     if format is not None and results is None:
-        _core.export_model(valve._native, out, format)
+        _core.export_model(native, out, format)
         return ()
     if results is not None and format is None:
-        return tuple(fault_of(told) for told in _core.export_results(valve._native, out, results))
+        return tuple(fault_of(told) for told in _core.export_results(native, out, results))
     given = "neither" if format is None else "both"
     raise ValueError(f"{given} of format and results is given; expected one of them")

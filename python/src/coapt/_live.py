@@ -6,6 +6,7 @@ from typing import final
 
 import coapt._coapt as _core
 from coapt._closed import Closed
+from coapt._given import A_CLOSED, of_type
 from coapt._plain import keys_of_repairs
 from coapt._repairs import RelocatePapillary, Ring
 
@@ -23,12 +24,17 @@ class Live:
     ----------
     closed : Closed
         Where to begin.
+
+    Raises
+    ------
+    TypeError
+        What is no closed valve.
     """
 
     __slots__ = ("_native",)
 
     def __init__(self, closed: Closed) -> None:
-        self._native = _core.Live(closed._native)
+        self._native = _core.Live(of_type(Closed, "closed", closed, A_CLOSED)._native)
 
     def __repr__(self) -> str:
         return f"<coapt.Live {self.closed!r}>"

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal, cast, final
 
 import coapt._coapt as _core
 from coapt._closed import Closed
-from coapt._compare import Surface
+from coapt._compare import Surface, native_surface
+from coapt._given import A_VALVE, of_type
 from coapt._measures import made
 from coapt._optional import needed
 from coapt._plain import Json
@@ -203,10 +204,13 @@ def personalise(
     ------
     InputError
         A valve with repairs or without chordae; a surface that is none, or far from the valve.
+    TypeError
+        What is no valve; what is no surface, such as an open valve.
     KeyboardInterrupt
         Within 0.2 s of Ctrl-C.
     Exception
         What ``progress`` raises; the work ends then.
     """
-    given = closed_surface._native if isinstance(closed_surface, Closed) else closed_surface
-    return FitResult._of(_core.personalise(valve._native, given, per_group, progress))
+    native = of_type(Valve, "valve", valve, A_VALVE)._native
+    given = native_surface("closed_surface", closed_surface)
+    return FitResult._of(_core.personalise(native, given, per_group, progress))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias, Union, cast, final
 
 import coapt._coapt as _core
 from coapt._arrays import FloatArray
+from coapt._given import A_VALVE, counted, from_least, of_type, wrong_type
 from coapt._plain import Json, Value, keys_of_repairs
 from coapt._progress import Progress
 from coapt._repairs import Repair
@@ -36,7 +37,7 @@ class PlanResult(Result[_core.Plan]):
         return cls._of(_core.Plan.from_stored(stored))
 
     def __repr__(self) -> str:
-        return f"<coapt.PlanResult of {len(self.alternatives)} alternatives>"
+        return f"<coapt.PlanResult of {counted(len(self.alternatives), 'alternative')}>"
 
     def _repr_html_(self) -> str:
         from html import escape
@@ -79,9 +80,7 @@ class PlanResult(Result[_core.Plan]):
         OSError
             What the file system says.
         """
-        if most < 0:
-            raise ValueError(f"most is {most}; expected a number from 0")
-        self._native.report(path, most)
+        self._native.report(path, from_least("most", most, 0))
 
     def to_dataframe(self) -> pandas.DataFrame:
         """A row per alternative, a column per measure, as ``plan.csv``; needs pandas."""
@@ -110,7 +109,7 @@ def plan(
     keep_shapes : bool
         Whether closed shapes are kept: of thousands of large valves they fill the memory.
     max_alternatives : int
-        Refuse plans of more alternatives, before any is made.
+        Refuse plans of more alternatives, before any is made; from 1.
     progress : callable, optional
         Called in this thread, some times in a second, with how many closures are done and of how many: first of the alternatives and
         the valve as it is, then, from 0 anew, of the samples of an ensemble. A search is not counted.
@@ -118,7 +117,11 @@ def plan(
     Raises
     ------
     InputError
-        A plan that cannot be read; alternatives that are wrong in themselves; none that can be carried out.
+        A plan that cannot be read, or without a repair; alternatives that are wrong in themselves; none that can be carried out.
+    TypeError
+        What is no valve; alternatives that are no path, mapping or sequence, such as a single repair.
+    ValueError
+        ``max_alternatives`` below 1.
     KeyboardInterrupt
         Within 0.2 s of Ctrl-C.
     Exception
@@ -132,17 +135,21 @@ def plan(
     >>> len(coapt.plan(valve, sizes).alternatives)
     2
     """
+    native = of_type(Valve, "valve", valve, A_VALVE)._native
+    limit = from_least("max_alternatives", max_alternatives, 1)
     if isinstance(alternatives, (str, os.PathLike)):
-        made = _core.plan_of_file(valve._native, alternatives, keep_shapes, max_alternatives, progress)
+        made = _core.plan_of_file(native, alternatives, keep_shapes, limit, progress)
     else:
-        keys = _keys(alternatives)
-        made = _core.plan_of_dict(valve._native, keys, keep_shapes, max_alternatives, progress)
+        made = _core.plan_of_dict(native, _keys(alternatives), keep_shapes, limit, progress)
     return PlanResult._of(made)
 
 
 def _keys(alternatives: Mapping[str, Value] | Sequence[Repairs]) -> dict[str, Value]:
     if isinstance(alternatives, Mapping):
         return {"schema_version": SCHEMA_VERSION, **alternatives}
+    if not isinstance(alternatives, Iterable):
+        expected = "a plan file, a mapping with its keys, or a sequence of alternatives, such as [coapt.Ring.physio_like(30)]"
+        raise wrong_type("alternatives", alternatives, expected)
     each = [[it] if not isinstance(it, Sequence) else list(it) for it in alternatives]
     blocks = [{"repair": keys_of_repairs(repairs)} for repairs in each]
     return {"schema_version": SCHEMA_VERSION, "alternative": cast("list[Value]", blocks)}

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Literal, cast, final, overload
 
 import coapt._coapt as _core
+from coapt._errors import Fault, InputError
+from coapt._given import A_VALVE, counted, of_type, wrong_type
 from coapt._plain import Json
 from coapt._progress import Progress
 from coapt._result import Result
-from coapt._valve import Preset, Valve, generate
+from coapt._valve import Preset, Valve, generate, natives_of
 
 if TYPE_CHECKING:
     import pandas
-
-#: Mesh sizes as of ``coapt study``.
-FACES: tuple[int, ...] = tuple(_core.STUDY_FACES)
-
-#: Mesh sizes as of ``coapt study --laws``.
-FACES_OF_LAWS: tuple[int, ...] = (650,)
 
 
 @final
@@ -33,7 +29,7 @@ class StudyResult(Result[_core.Study]):
         return cls._of(_core.Study.from_stored(stored))
 
     def __repr__(self) -> str:
-        return f"<coapt.StudyResult of {len(self.rows)} closures>"
+        return f"<coapt.StudyResult of {counted(len(self.rows), 'closure')}>"
 
     def _repr_svg_(self) -> str:
         return self._native.svg()
@@ -62,7 +58,7 @@ class LawStudyResult(Result[_core.StudyOfLaws]):
         return cls._of(_core.StudyOfLaws.from_stored(stored))
 
     def __repr__(self) -> str:
-        return f"<coapt.LawStudyResult of {len(self.rows)} closures>"
+        return f"<coapt.LawStudyResult of {counted(len(self.rows), 'closure')}>"
 
     @property
     def rows(self) -> tuple[dict[str, Json], ...]:
@@ -122,17 +118,18 @@ def study(
     laws : bool
         Study tissue laws instead: one tissue told in each law, at the valve's own residual and contact thickness.
     faces : sequence of int, optional
-        Mesh sizes of a preset, in triangles. Default: 160, 320, 650, 1300, 2600; of laws 650.
+        Mesh sizes of a preset, in triangles, from 100. Default: 160, 320, 650, 1300, 2600; of laws 650.
     reference_faces : int, optional
-        Mesh size of the reference of a preset. Default: four times the finest mesh.
+        Mesh size of the reference of a preset, no coarser than the finest mesh. Default: four times the finest mesh.
     reference : Valve, optional
         The reference of valves. Default: the last of them; of laws none, so that errors of the mesh are not told.
     tolerances : sequence of float, optional
-        Residuals to stop at, each tried on every mesh [1]. Default: 1e-1 to 1e-6.
+        Residuals to stop at, each tried on every mesh, above 0 and below 1 [1]. Default: 1e-1 to 1e-6.
     thicknesses_mm : sequence of float, optional
-        Contact thicknesses, each tried on the mesh nearest to 650 triangles [mm]. Default: 0.3, 0.5, 0.8.
+        Contact thicknesses, each tried on the mesh nearest to 650 triangles, above 0 and at most 5; there may be none [mm].
+        Default: 0.3, 0.5, 0.8.
     repeats : int, optional
-        Closures of each setting, of which the median time counts. Default: 3.
+        Closures of each setting, of which the median time counts, from 1 to 1000. Default: 3.
     progress : callable, optional
         Called in this thread, some times in a second, with how many closures are done and of how many, those of the reference left
         out.
@@ -149,7 +146,10 @@ def study(
     ValueError
         Tolerances or thicknesses beside ``laws``.
     InputError
-        As of :func:`coapt.generate`.
+        As of :func:`coapt.generate`; numbers that cannot be tried; no valve; mesh sizes of valves, which have their own; a
+        valve as the reference of a preset.
+    TypeError
+        What is no valve.
     KeyboardInterrupt
         Within 0.2 s of Ctrl-C.
     Exception
@@ -157,17 +157,36 @@ def study(
     """
     if laws and (tolerances is not None or thicknesses_mm is not None):
         raise ValueError("tolerances and thicknesses_mm are not tried beside laws; expected one or the other")
-    finest = reference
-    if isinstance(valve, str):
-        sizes = sorted(set(faces or (FACES_OF_LAWS if laws else FACES)))
-        valves = [generate(valve, faces=size) for size in sizes]
-        finest = generate(valve, faces=reference_faces or _core.STUDY_REFERENCE_FINER * sizes[-1])
-    else:
-        valves = [valve] if isinstance(valve, Valve) else list(valve)
-    natives = [it._native for it in valves]
+    natives, finest = _meshes(valve, laws, faces, reference_faces, reference)
     if laws:
-        last = None if finest is None else finest._native
-        return LawStudyResult._of(_core.study_laws(natives, last, repeats, progress))
-    last = (finest or valves[-1])._native
-    made = _core.study(natives, last, tolerances, thicknesses_mm, repeats, progress)
+        return LawStudyResult._of(_core.study_laws(natives, finest, repeats, progress))
+    made = _core.study(natives, finest or natives[-1], tolerances, thicknesses_mm, repeats, progress)
     return None if made is None else StudyResult._of(made)
+
+
+def _meshes(
+    valve: Preset | str | Valve | Sequence[Valve],
+    laws: bool,
+    faces: Sequence[int] | None,
+    reference_faces: int | None,
+    reference: Valve | None,
+) -> tuple[list[_core.Valve], _core.Valve | None]:
+    """The valve in each mesh, at least one, and the reference asked for."""
+    asked = None if faces is None else _listed(faces)
+    if isinstance(valve, str):
+        if reference is not None:
+            message = f"is {reference!r}, which is for valves; expected none beside a preset, but reference_faces"
+            raise InputError([Fault("reference", message)])
+        sizes, finest = _core.study_sizes(asked, reference_faces, laws)
+        return [generate(valve, faces=size)._native for size in sizes], generate(valve, faces=finest)._native
+    _core.study_no_sizes(asked, reference_faces)
+    natives = [valve._native] if isinstance(valve, Valve) else natives_of("valve", valve)
+    if not natives:
+        raise InputError([Fault("valve", "is an empty sequence; expected a preset, a valve, or at least one valve")])
+    return natives, None if reference is None else of_type(Valve, "reference", reference, A_VALVE)._native
+
+
+def _listed(faces: Sequence[int]) -> list[int]:
+    if isinstance(faces, str) or not isinstance(faces, Iterable):
+        raise wrong_type("faces", faces, "a sequence of mesh sizes, such as [650]")
+    return list(faces)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal, cast, final
 import coapt._coapt as _core
 from coapt._arrays import FloatArray, IndexArray
 from coapt._errors import Fault, fault_of
+from coapt._given import A_VALVE, counted, of_type, wrong_type
 from coapt._optional import needed
 from coapt._parts import CHORD_KEYS, ChordGroup, Leaflet, PapillaryMuscle, keys_of
 from coapt._plain import Json, PlainData, Value, keys_of_repairs
@@ -123,7 +124,7 @@ class Valve:
         return valve_of_bytes, (self._native.stored(),)
 
     def __repr__(self) -> str:
-        done = f", {len(self.repairs)} repairs" if self.repairs else ""
+        done = f", {counted(len(self.repairs), 'repair')}" if self.repairs else ""
         return f"<coapt.Valve {self.name!r}: {len(self.triangles)} triangles, {self.pressure_mmhg:g} mmHg{done}>"
 
     @property
@@ -486,6 +487,8 @@ def close_many(valves: Iterable[Valve], *, progress: Progress | None = None) -> 
 
     Raises
     ------
+    TypeError
+        What is no valve.
     KeyboardInterrupt
         Within 0.2 s of Ctrl-C.
     Exception
@@ -493,4 +496,18 @@ def close_many(valves: Iterable[Valve], *, progress: Progress | None = None) -> 
     """
     from coapt._closed import Closed
 
-    return [Closed._of(made) for made in _core.close_many([valve._native for valve in valves], progress)]
+    return [Closed._of(made) for made in _core.close_many(natives_of("valves", valves), progress)]
+
+
+def natives_of(name: str, valves: Iterable[Valve]) -> list[_core.Valve]:
+    """Valves as the native half takes them.
+
+    Raises
+    ------
+    TypeError
+        What is no valve.
+    """
+    # Text is a sequence too, and its letters are what nobody means.
+    if isinstance(valves, (str, Valve)) or not isinstance(valves, Iterable):
+        raise wrong_type(name, valves, "valves, such as [coapt.generate(\"healthy\")]")
+    return [of_type(Valve, f"{name}[{number}]", valve, A_VALVE)._native for number, valve in enumerate(valves)]

@@ -2,16 +2,16 @@
 
 use coapt::model::Model;
 use coapt::scene::{Fault, Scene};
-use coapt_io::study::{LawStudy, Laws, MeshOfLaws, carry_out_laws, text_of_laws, write_laws};
+use coapt_io::study::{FACES_OF_LAWS, LawStudy, Laws, MeshOfLaws, carry_out_laws, text_of_laws, write_laws};
 
 use super::{Arguments, cases, prepare, timed};
-use crate::case::{self, Case, FACES_OF_A_PRESET};
+use crate::case::{self, Case};
 use crate::closure::on_threads;
 use crate::output::{Failure, Verdict, print, say};
 
 /// Runs the verb.
 pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    let (cases, finest) = cases(arguments, &[FACES_OF_A_PRESET])?;
+    let (cases, finest) = cases(arguments, &FACES_OF_LAWS)?;
     // Before minutes of work, not after.
     prepare(&arguments.out)?;
     let laws = Laws::new()?;

@@ -33,7 +33,7 @@ pub use parameters::with_parameter;
 pub(crate) use plan::BEFORE;
 pub use plan::{
     ALTERNATIVE_LIMIT, Alternatives, Asked, Bound, SAMPLE_LIMIT, Search, alternative_from_text,
-    alternatives_from_text, number_keys, plan_from_text, read_plan, with_number,
+    alternatives_from_text, alternatives_up_to, number_keys, plan_from_text, read_plan, with_number,
 };
 pub use write::{stage_scene, write_scene};
 

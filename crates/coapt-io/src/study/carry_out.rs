@@ -10,6 +10,8 @@ use crate::report::NOTICE;
 /// Mesh sizes of a preset, in triangles: from the coarsest that still looks like a valve to the one at which the leaflets'
 /// folds are resolved.
 pub const FACES: [u32; 5] = [160, 320, 650, 1300, 2600];
+/// Mesh sizes of a preset whose tissue laws are studied, in triangles.
+pub const FACES_OF_LAWS: [u32; 1] = [650];
 /// The reference mesh has this many times the triangles of the finest one: half its edge length, so that even the
 /// finest shows half of its own error or more.
 pub const REFERENCE_FINER: u32 = 4;

@@ -7,6 +7,7 @@
 //! | `study.svg` | error against time, with the knee |
 //! | `laws.csv`, `laws.json` | of a study of laws: a line per closure; the same with the constants of each law |
 
+mod asked;
 mod axis;
 mod carry_out;
 mod carry_out_laws;
@@ -25,9 +26,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::atomic::{file_fault, write_files};
 
+pub use asked::{FACES_ALLOWED, REPEATS_ALLOWED, Sizes, expect_no_sizes, repeats, thickness_mm, tolerance};
 pub use carry_out::{
-    Close, FACES, REFERENCE, REFERENCE_FINER, REPEATS, THICKNESSES_MM, TOLERANCES, Tried, carry_out,
-    closure_count, median_time,
+    Close, FACES, FACES_OF_LAWS, REFERENCE, REFERENCE_FINER, REPEATS, THICKNESSES_MM, TOLERANCES, Tried,
+    carry_out, closure_count, median_time,
 };
 pub use carry_out_laws::{Laws, MeshOfLaws, carry_out_laws};
 pub use front::{front, knee, mark};

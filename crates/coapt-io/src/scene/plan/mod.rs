@@ -92,10 +92,23 @@ pub fn alternatives_from_text(
     text: &str,
     limit: u64,
 ) -> Result<(Alternatives, Vec<Fault>), Vec<Fault>> {
+    alternatives_up_to(path, text, limit, "--max-alternatives")
+}
+
+/// The same for a caller whose users call the limit something else.
+///
+/// # Errors
+/// As [`alternatives_from_text`].
+pub fn alternatives_up_to(
+    path: &Path,
+    text: &str,
+    limit: u64,
+    limit_name: &str,
+) -> Result<(Alternatives, Vec<Fault>), Vec<Fault>> {
     read(path, text, limit, |count| {
         let most = told(limit);
         format!(
-            "has {count} alternatives, the product of its lists and ranges; expected {most} at most (--max-alternatives)"
+            "has {count} alternatives, the product of its lists and ranges; expected {most} at most ({limit_name})"
         )
     })
 }
