@@ -79,8 +79,8 @@ def test_plans_are_counted_stage_by_stage(valve):
     plan = coapt.plan(valve, asked, progress=told)
     stages = told.stages()
     assert all(is_orderly(stage) for stage in stages) and told.threads == {threading.get_ident()}
-    # The valve as it is beside three rings; four samples of it and of the first-ranked ring.
-    assert [stage[-1] for stage in stages] == [(4, 4), (8, 8)]
+    # The valve as it is beside three rings and the answer of the search; four samples of it and of the first-ranked ring.
+    assert [stage[-1] for stage in stages] == [(5, 5), (8, 8)]
     assert plan.to_dict() == coapt.plan(valve, asked).to_dict()
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from functools import cache
 from typing import TYPE_CHECKING, ClassVar, TypeAlias, Union, cast
 
 import numpy as np
@@ -68,10 +67,16 @@ class PlainData:
         return type(self)(**{**kept, **changes})
 
 
-# Asked for with every move of a slider.
-@cache
+#: Looked up once for each kind: they are asked for with every move of a slider.
+_KEYS: dict[type[PlainData], tuple[str, ...]] = {}
+
+
 def _keys(kind: type[PlainData]) -> tuple[str, ...]:
-    return tuple(field.name for field in fields(kind))  # type: ignore[arg-type]  # every subclass is a dataclass
+    keys = _KEYS.get(kind)
+    if keys is None:
+        keys = tuple(field.name for field in fields(kind))  # type: ignore[arg-type]  # every subclass is a dataclass
+        _KEYS[kind] = keys
+    return keys
 
 
 def _frozen(value: Curve | Vector) -> tuple[float | tuple[float, ...], ...]:
