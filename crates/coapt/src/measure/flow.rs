@@ -48,7 +48,7 @@ pub fn regurgitant_volume_ml(anatomic_orifice_mm2: f64, pressure_mmhg: f64) -> [
 }
 
 /// Mean pressure gradient of the filling ventricle over an anatomic diastolic orifice [mmHg]; two openings in parallel add their
-/// areas. None where the valve [hardly opens](HARDLY_OPENS_MM2), or the orifice is no number.
+/// areas. None where the valve hardly opens (below `HARDLY_OPENS_MM2`), or the orifice is no number.
 ///
 /// Δp = ½ ρ (q / (C A))² with the mean flow q = stroke volume / filling time.
 pub fn mean_diastolic_gradient_mmhg(anatomic_orifice_mm2: f64, filling: &Filling) -> Option<f64> {
