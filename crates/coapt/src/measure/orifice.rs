@@ -284,7 +284,6 @@ fn width(rim: &[&Stretch], most_mm: f64) -> f64 {
     match rim {
         // A perforation: what lies across from it is its own leaflet.
         [only] if only.closed => most_mm,
-        _ if sides == 0 => most_mm,
         _ => widths_mm.fold(most_mm, f64::min),
     }
 }

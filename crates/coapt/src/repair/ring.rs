@@ -59,12 +59,11 @@ pub struct RingExtent {
     /// Transverse diameter [mm]: the extent across the line from its posterior to its anterior middle; a family's size.
     pub width_mm: f64,
     /// Anteroposterior diameter [mm]: the extent along that line, in the ring's best plane; of an open ring to where its anterior middle
-    /// would be. That of a saddle is up to 1 mm more than its `ap_mm`, which counts across the saddle's own axis: its front rises higher
-    /// than its back, and tilts the best plane.
+    /// would be. Not a saddle's `ap_mm`: one of 30 mm with an `ap_mm` of 22.5 mm is 23.1 mm deep here.
     pub depth_mm: f64,
     /// Height [mm]: the extent along the normal of its plane; nothing in a planar ring.
     pub height_mm: f64,
-    /// Whether it goes all the way round. Where an open one does not, the annulus stays as deep as it was.
+    /// Whether it goes all the way round. Where an open one does not, it does not settle how deep the annulus becomes.
     pub closed: bool,
 }
 

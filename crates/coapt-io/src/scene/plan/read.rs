@@ -162,14 +162,14 @@ fn refused(file: &str, text: &str, errors: &[Fault]) -> Vec<Fault> {
 /// Alternatives that do nothing, or whose names would be taken for something else.
 fn unusable(read: &PlanOfOne) -> Vec<Fault> {
     let mut faults = Vec::new();
-    let common = read.repair.is_empty();
-    if common && read.alternative.is_empty() {
+    let lacks_common = read.repair.is_empty();
+    if lacks_common && read.alternative.is_empty() {
         let message = "is missing; expected at least one [[repair]] or [[alternative.repair]]";
         faults.push(Fault::error("repair", message));
     }
     for (number, alternative) in read.alternative.iter().enumerate() {
         let key = format!("alternative[{number}]");
-        if common && alternative.repair.is_empty() {
+        if lacks_common && alternative.repair.is_empty() {
             let message = "has no repair; expected at least one [[alternative.repair]] (the valve as it is stands first in any case)";
             faults.push(Fault::error(key.clone(), message));
         }
