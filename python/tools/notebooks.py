@@ -5,8 +5,8 @@
     python python/tools/notebooks.py FILE...      # these only
 
 Wrong is: a cell that raises; a notebook that takes more than a minute; a place of this machine in an output; with `--check` also
-words that differ from those stored, or numbers by more than other machines may make them. Cells tagged `times` tell how fast this
-machine is: their numbers may be any.
+words that differ from those stored, or numbers by more than other machines may make them. How fast a machine is does not matter:
+milliseconds and seconds may be any, and so may all that cells tagged `times` tell.
 
 Needs nbclient and ipykernel besides what the notebooks need.
 """
@@ -31,6 +31,7 @@ LIMIT_S = 60.0
 LARGEST_BYTES = 250_000
 
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+DURATION = re.compile(r"\d+(?:\.\d+)? (?=m?s\b)")
 #: The last bits of a closure depend on the machine's instructions. Its measures differ by far less than this, but for a pleat
 #: that falls in another way.
 RELATIVE, ABSOLUTE = 0.05, 0.1
@@ -112,7 +113,7 @@ def told(notebook: nbformat.NotebookNode, *, times: bool = True) -> str:
 
 def differ(stored: str, fresh: str) -> str | None:
     """The first line that is not as it was; numbers may differ by what other machines make of them."""
-    before, after = stored.splitlines(), fresh.splitlines()
+    before, after = (DURATION.sub("any ", text).splitlines() for text in (stored, fresh))
     for was, now in zip(before, after):
         words = [" ".join(NUMBER.sub("#", line).split()) for line in (was, now)]
         numbers = [[float(number) for number in NUMBER.findall(line)] for line in (was, now)]
