@@ -10,7 +10,7 @@
 //! * [`penalty`]: energy, gradient and Hessian of those.
 //! * [`step_bound`]: how far each vertex may move so that nothing passes through anything.
 //! * [`crossing`]: the exact test whether two faces cross.
-//! * [`tangle`]: where they cross, or touch.
+//! * [`tangle`]: where they cross, or touch, and which bodies are inside out.
 //!
 //! Law: contact begins at the thickness d̂ and is rigid, nearly, at d₀ < d̂. With s = (d − d₀) / δ, δ = d̂ − d₀, for a pair
 //! at distance d, each unit of area stores κ δ (1 − s)³ / s, which begins smoothly (C²) at d̂; below s = 0.2 it goes on as

@@ -44,7 +44,7 @@ pub struct Equilibrium {
     pub status: Status,
     /// How far the result can be trusted.
     pub certificate: Certificate,
-    /// What was done about a start that crossed or touched itself.
+    /// What was done about a start that crossed or touched itself, or was inside out.
     pub untangled: Option<Untangled>,
     /// Force of the valve on each support [N], shape `[vertex]`; zero at free vertices.
     pub reactions_n: Vec<Vec3>,
@@ -52,11 +52,11 @@ pub struct Equilibrium {
     pub history: Vec<Iteration>,
 }
 
-/// A start in which surfaces crossed or touched, and how far from it the solver began instead: as near to it as one comes
-/// from the open valve without anything passing through anything.
+/// A start in which surfaces crossed or touched, or closed ones were inside out, and how far from it the solver began instead:
+/// as near to it as one comes from the open valve without anything passing through anything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Untangled {
-    /// Places where surfaces crossed or touched.
+    /// Places where surfaces crossed or touched, and closed surfaces that were inside out.
     pub places: usize,
     /// How far a vertex began from where it was to begin, at most [mm].
     pub farthest_mm: f64,

@@ -3,15 +3,18 @@
 use super::Untangled;
 use super::newton::Newton;
 use crate::Vec3;
-use crate::contact::tangle::tangles;
+use crate::contact::tangle::{inside_out, tangles};
 use crate::state::State;
 
-/// The start that was asked for, or, where it is tangled, as near to it as one comes from the open valve, which tells who
-/// belongs on which side; nothing where that is tangled itself.
+/// The start that was asked for, or, where it is tangled or inside out, as near to it as one comes from the open valve, which
+/// tells who belongs on which side; nothing where that is tangled itself.
 pub(super) fn begin(newton: &mut Newton, start: &State) -> Option<(Vec<Vec3>, Option<Untangled>)> {
     let model = newton.model;
     let places = match model.contact.is_on() {
-        true => tangles(&newton.surface, &start.positions_mm).len(),
+        true => {
+            tangles(&newton.surface, &start.positions_mm).len()
+                + inside_out(&newton.surface, &model.rest_mm, &start.positions_mm).len()
+        }
         false => 0,
     };
     if places == 0 {
