@@ -10,6 +10,8 @@ mod valves;
 use std::time::Instant;
 
 use coapt::Vec3;
+use coapt::contact::surface::Surface;
+use coapt::contact::tangle::inside_out;
 use coapt::model::Model;
 use coapt::relax::{Equilibrium, Iteration, Status, relax};
 use coapt::scene::Fault;
@@ -88,7 +90,8 @@ fn run(case: &HardCase, start: u64) -> Outcome {
     let ended = made.map(|(model, state)| {
         let equilibrium = relax(&model, &state);
         let is_within = equilibrium.certificate.residual <= model.settings.residual_tolerance;
-        (equilibrium, is_within)
+        let is_turned = is_inside_out(&model, &equilibrium.state);
+        (equilibrium, is_within, is_turned)
     });
     let wall_ms = 1e3 * begun.elapsed().as_secs_f64();
     let complaint = match (&ended, case.end) {
@@ -97,7 +100,8 @@ fn run(case: &HardCase, start: u64) -> Outcome {
             (!told).then(|| format!("{faults:?} instead of `{words}`"))
         }
         (Err(faults), _) => Some(format!("refused: {faults:?}")),
-        (Ok((equilibrium, is_within)), end) => {
+        (Ok((equilibrium, _, true)), _) => Some(format!("inside out: {}", words(equilibrium))),
+        (Ok((equilibrium, is_within, false)), end) => {
             let status = equilibrium.status;
             let is_right = match end {
                 End::Certified => *is_within && equilibrium.certificate.is_certified(status),
@@ -108,7 +112,7 @@ fn run(case: &HardCase, start: u64) -> Outcome {
         }
     };
     Outcome {
-        equilibrium: ended.ok().map(|(equilibrium, _)| equilibrium),
+        equilibrium: ended.ok().map(|(equilibrium, ..)| equilibrium),
         wall_ms,
         complaint: complaint.map(|words| format!("{}, start {start}: {words}", case.name)),
     }
@@ -123,6 +127,12 @@ fn words(end: &Equilibrium) -> String {
         end.certificate.crossings.len(),
         end.history.len()
     )
+}
+
+/// Whether a body came to where it could have come only through itself, which no crossing tells of afterwards.
+fn is_inside_out(model: &Model, end: &State) -> bool {
+    let surface = Surface::new(&model.faces, &model.rest_mm);
+    model.contact.is_on() && !inside_out(&surface, &model.rest_mm, &end.positions_mm).is_empty()
 }
 
 /// Whether all that is told of a closure are numbers and nothing crosses, whatever its status: no case begins crossed that is

@@ -1,12 +1,14 @@
-//! Closed bodies of few faces: a tetrahedron squashed, cubes on each other, a block on a membrane.
+//! Closed bodies of few faces: a tetrahedron squashed, or begun inside out; cubes on each other; a block on a membrane.
 
 use coapt::Vec3;
+use coapt::energy::bilinear_spring::Springs;
 use coapt::model::Model;
+use coapt::scene::Contact;
 
 use super::assembly::{Body, Matter, assemble, height_field};
 use super::begun;
 use crate::hard::{HardCase, Jitter};
-use crate::shapes::Mesh;
+use crate::shapes::{Mesh, SpringTissue};
 
 pub(super) fn cases() -> Vec<HardCase> {
     let mut cases = Vec::new();
@@ -17,6 +19,11 @@ pub(super) fn cases() -> Vec<HardCase> {
             move |jitter| squashed(jitter, part),
         ));
     }
+    cases.push(begun(
+        format!("tetrahedron begun with its apex {PAST:e} of its edge through its base"),
+        "inside out, though no two faces cross: its shape at rest alone tells on which side the apex belongs",
+        begun_inside_out,
+    ));
     for (name, what, gap_mm, way_mm) in [
         ("far from each other", "nothing to do", 5.0, 0.0),
         (
@@ -49,10 +56,16 @@ pub(super) fn cases() -> Vec<HardCase> {
             )
         },
     ));
+    cases.push(begun(
+        "block that lies on a membrane of 25 x 25 cells",
+        "nothing else holds it; in FEBio's co30 it falls there and bounces, here it begins as high and comes to rest, and no guide \
+         keeps it upright",
+        lying,
+    ));
     cases
 }
 
-/// As a part of its height [1].
+/// As a part of its height, or of its edge [1].
 const PAST: f64 = 5e-4;
 
 /// Two corners of the base are held; the third may swing out of the apex's way.
@@ -77,6 +90,83 @@ fn squashed(jitter: &mut Jitter, part: f64) -> (Model, Vec<Vec3>) {
         held.target_mm.z -= part * HEIGHT_MM;
     }
     (model, start_mm)
+}
+
+/// The "Squash Tet" of the tests of ipc-toolkit, which has the origin and the ends of the axes for corners: there the apex
+/// goes to where it begins here, 5e-4 below the base and beside it, so that one edge is below another one.
+fn begun_inside_out(jitter: &mut Jitter) -> (Model, Vec<Vec3>) {
+    const EDGE_MM: f64 = 5.0;
+    let mesh = Mesh {
+        points_mm: vec![
+            Vec3::zeros(),
+            Vec3::x() * EDGE_MM,
+            Vec3::y() * EDGE_MM,
+            Vec3::z() * EDGE_MM,
+        ],
+        faces: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+        rim: vec![],
+    };
+    let base = Body {
+        held: vec![0, 1, 2],
+        ..Body::free(mesh)
+    };
+    let (model, mut start_mm) = assemble(&[base.level()], &Matter::default(), jitter);
+    start_mm[3] += Vec3::new(0.1, -0.1, -1.0 - PAST) * EDGE_MM;
+    (model, start_mm)
+}
+
+/// Lengths [mm], weights [N] and moduli [MPa] are co30's numbers: a rigid cube of 1 and of a weight of 1 over a membrane of
+/// 5 by 5, 0.1 thick, of a modulus of 500 and a weight of 2.5. There the cube may only rise and sink; here nothing holds it,
+/// and springs a hundred times as stiff as the membrane make it all but rigid.
+fn lying(jitter: &mut Jitter) -> (Model, Vec<Vec3>) {
+    const HALF_MM: f64 = 2.5;
+    const CELLS: u32 = 25;
+    const BLOCK_N: f64 = 1.0;
+    const MEMBRANE_N: f64 = 2.5;
+    let low = Vec3::new(-0.5, -0.5, 1.37392);
+    let bodies = [
+        Body::sheet(height_field(CELLS, HALF_MM, |_, _| 0.0), Vec3::zeros()),
+        Body::free(cuboid(low, low + Vec3::repeat(1.0))),
+    ];
+    let (mut model, start_mm) = assemble(&bodies, &matter_of_co30(), jitter);
+    let first_of_block = bodies[0].mesh.points_mm.len() as u32;
+    stiffen(&mut model.springs, first_of_block, 100.0);
+    // Points at the rim weigh less than others; but these are held.
+    let of_point_n = [MEMBRANE_N / f64::from(CELLS * CELLS), BLOCK_N / 8.0];
+    let weight = |vertex| {
+        (
+            vertex,
+            -Vec3::z() * of_point_n[usize::from(vertex >= first_of_block)],
+        )
+    };
+    model.dead_loads_n = (0..start_mm.len() as u32).map(weight).collect();
+    (model, start_mm)
+}
+
+fn matter_of_co30() -> Matter {
+    const THICKNESS_MM: f64 = 0.1;
+    const MODULUS_MPA: f64 = 500.0;
+    const POISSON_RATIO: f64 = 0.4;
+    Matter {
+        springs: SpringTissue::linear(MODULUS_MPA * THICKNESS_MM),
+        plate_n_mm: MODULUS_MPA * THICKNESS_MM.powi(3) / (12.0 * (1.0 - POISSON_RATIO.powi(2))),
+        contact: Contact {
+            thickness_mm: THICKNESS_MM,
+            ..Contact::default()
+        },
+        ..Matter::default()
+    }
+}
+
+/// Makes springs from a vertex on so many times as stiff.
+fn stiffen(springs: &mut Springs, first: u32, times: f64) {
+    for (index, ends) in springs.ends.iter().enumerate() {
+        if ends[0] >= first {
+            springs.soft_n_per_mm[index] *= times;
+            springs.stiff_n_per_mm[index] *= times;
+            springs.compression_n_per_mm[index] *= times;
+        }
+    }
 }
 
 /// A cube on its base, and another over it that is held at its top.
