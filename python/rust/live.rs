@@ -15,14 +15,13 @@ use coapt::relax::{Equilibrium, Interactive};
 use coapt::scene::{Fault, Repair};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::built::Built;
 use crate::closed::{Closed, Inner, Relaxed};
 use crate::fault::input_error;
+use crate::repair::{ReadRepair, repairs_of};
 use crate::run::{Stop, pool, wait};
-use crate::valve::repairs_of;
 
 /// A closed valve that follows edits.
 #[pyclass(frozen, module = "coapt._coapt")]
@@ -90,8 +89,8 @@ impl Live {
     }
 
     /// Closes the valve again with these repairs instead of those of the last edit.
-    fn set(&self, py: Python<'_>, repairs: Vec<Bound<'_, PyDict>>) -> PyResult<Py<Closed>> {
-        let repairs = repairs_of(py, &repairs)?;
+    fn set(&self, py: Python<'_>, repairs: Vec<Bound<'_, ReadRepair>>) -> PyResult<Py<Closed>> {
+        let repairs = repairs_of(&repairs);
         let stop = Stop::default();
         let (tell, told) = channel();
         let past = self.lock().past.take();
