@@ -182,7 +182,7 @@ def test_a_forked_child_closes_valves():
 def test_a_child_forked_during_an_edit_edits():
     """The thread that makes the edit is none of the child's, and would never give the solver back."""
     told = run("""
-        import os, threading, time, warnings
+        import os, signal, threading, time, warnings
         import coapt
         live = coapt.generate('barlow', faces=1300).interactive()
         edit = threading.Thread(target=lambda: live.set_ring(coapt.Ring.physio_like(28)))
@@ -192,6 +192,8 @@ def test_a_child_forked_during_an_edit_edits():
         warnings.simplefilter('ignore', DeprecationWarning)
         child = os.fork()
         if child == 0:
+            # Were it to wait for ever, nobody would end it.
+            signal.alarm(60)
             os._exit(0 if live.set_ring(coapt.Ring.physio_like(34)).certified else 1)
         _, status = os.waitpid(child, 0)
         edit.join()
