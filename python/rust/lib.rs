@@ -14,6 +14,7 @@ mod live;
 mod personalise;
 mod plan;
 mod progress;
+mod repair;
 mod replay;
 mod run;
 mod stored;
@@ -45,13 +46,15 @@ mod _coapt {
     #[pymodule_export]
     use crate::plan::{Plan, plan_of_dict, plan_of_file};
     #[pymodule_export]
+    use crate::repair::ReadRepair;
+    #[pymodule_export]
     use crate::replay::replayed;
     #[pymodule_export]
     use crate::study::{Study, StudyOfLaws, study, study_laws, study_no_sizes, study_sizes};
     #[pymodule_export]
     use crate::tissue::fit_tissue;
     #[pymodule_export]
-    use crate::valve::{Valve, check_repair, close_many};
+    use crate::valve::{Valve, close_many};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

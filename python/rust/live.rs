@@ -1,72 +1,97 @@
 //! `Live`: a closed valve whose ring is changed bit by bit, each closure beginning where the last one ended.
 //!
-//! The library's [`Interactive`] borrows its model. A thread of its own holds both, and is asked by messages; it dies with the
-//! handle. It belongs to a small pool of its own, whose other threads help with large valves: were it to hand each edit over to the
-//! common pool, two more threads would have to wake for every move of a slider. A forked child has no such threads: it gets new ones,
-//! which go on from the last closed shape.
+//! The library's [`Interactive`] borrows its model; a [`Solver`] holds both. It is bound to no thread: small valves are closed by the
+//! calling one, since to wake another for every move of a slider costs more than all else that an edit takes beside its closure.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use coapt::Vec3;
-use coapt::relax::{Equilibrium, Interactive};
+use coapt::relax::Interactive;
 use coapt::scene::{Fault, Repair};
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use self_cell::self_cell;
 
 use crate::built::Built;
 use crate::closed::{Closed, Inner, Relaxed};
 use crate::fault::input_error;
-use crate::run::{Stop, pool, wait};
-use crate::valve::repairs_of;
+use crate::repair::{ReadRepair, repairs_of};
+use crate::run::{Ask, may_run_here, pool, run, run_here, wait_for};
 
 /// A closed valve that follows edits.
 #[pyclass(frozen, module = "coapt._coapt")]
 pub(crate) struct Live {
     /// The valve without any edit; its supports are the same as with them.
     base: Arc<Built>,
+    /// Locked with Python's lock held only, as forks of Python are made.
     now: Mutex<Now>,
 }
 
 struct Now {
     closed: Py<Closed>,
-    /// The last but one.
-    past: Option<Arc<Inner>>,
-    thread: Option<Thread>,
-}
-
-/// Who closes the valve.
-struct Thread {
-    /// The number of its process.
+    solver: Arc<Mutex<Kept>>,
+    /// The number of the solver's process.
     process: u32,
-    /// Dropped, it ends the work of the pool; hence before it.
-    ask: Sender<Request>,
-    pool: Option<ThreadPool>,
 }
 
-impl Drop for Thread {
-    fn drop(&mut self) {
-        if self.process != std::process::id() {
-            // Its threads are the parent's: to end them would be to wait for them for ever.
-            std::mem::forget(self.pool.take());
-        }
+/// A solver between edits, which take it in turn; the first one makes it.
+#[derive(Default)]
+struct Kept {
+    solver: Option<Solver>,
+    is_taken: bool,
+}
+
+self_cell! {
+    /// The valve without any edit, and what closes it.
+    struct Solver {
+        owner: Arc<Built>,
+        #[covariant]
+        dependent: Interactive,
     }
 }
 
-/// Repairs of the valve without any, and where to tell the outcome.
-struct Request {
-    repairs: Vec<Repair>,
-    stop: Stop,
-    tell: Sender<Option<Answer>>,
-    /// Given up while the caller goes on with the answer: to free a valve takes a fifth of what an edit may cost beside its closure.
-    past: Option<Arc<Inner>>,
+/// The solver for as long as one edit lasts. It is taken before work is handed to a pool: an edit that waited there for another one
+/// could be what a thread of that one does meanwhile, and both would wait for ever.
+struct Turn {
+    kept: Arc<Mutex<Kept>>,
+    solver: Option<Solver>,
+}
+
+impl Turn {
+    /// None while another edit has the solver.
+    fn take(kept: &Arc<Mutex<Kept>>) -> Option<Self> {
+        let mut now = lock(kept);
+        if std::mem::replace(&mut now.is_taken, true) {
+            return None;
+        }
+        Some(Self {
+            kept: Arc::clone(kept),
+            solver: now.solver.take(),
+        })
+    }
+}
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        // What a panic leaves may be anything.
+        let solver = self.solver.take().filter(|_| !std::thread::panicking());
+        *lock(&self.kept) = Kept {
+            solver,
+            is_taken: false,
+        };
+    }
+}
+
+/// A moment's hold.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 type Answer = Result<(Built, Relaxed), Vec<Fault>>;
+
+/// Vertices up to which the calling thread closes the valve itself, some 1,800 faces. It looks for signals between iterations only:
+/// at 1,400 vertices they waited for up to 0.14 s on a busy machine, at 400 for 0.03 s.
+const SMALL: usize = 1_000;
 
 #[pymethods]
 impl Live {
@@ -77,8 +102,8 @@ impl Live {
             base: Arc::clone(&closed.get().inner.built),
             now: Mutex::new(Now {
                 closed: closed.unbind(),
-                past: None,
-                thread: None,
+                solver: Arc::default(),
+                process: std::process::id(),
             }),
         }
     }
@@ -86,54 +111,65 @@ impl Live {
     /// The valve as it now is.
     #[getter]
     fn closed(&self, py: Python<'_>) -> Py<Closed> {
-        self.lock().closed.clone_ref(py)
+        lock(&self.now).closed.clone_ref(py)
     }
 
     /// Closes the valve again with these repairs instead of those of the last edit.
-    fn set(&self, py: Python<'_>, repairs: Vec<Bound<'_, PyDict>>) -> PyResult<Py<Closed>> {
-        let repairs = repairs_of(py, &repairs)?;
-        let stop = Stop::default();
-        let (tell, told) = channel();
-        let past = self.lock().past.take();
-        self.ask(
-            py,
-            Request {
-                repairs,
-                stop: stop.clone(),
-                tell,
-                past,
-            },
-        )?;
-        let (repaired, relaxed) = wait(py, &stop, told)?.map_err(|faults| input_error(py, &faults))?;
+    fn set(&self, py: Python<'_>, repairs: Vec<Bound<'_, ReadRepair>>) -> PyResult<Py<Closed>> {
+        let repairs = repairs_of(&repairs);
+        let base = Arc::clone(&self.base);
+        let (kept, begin) = self.solver();
+        let turn = wait_for(py, || Turn::take(&kept))?;
+        let is_here = base.model.rest_mm.len() <= SMALL && may_run_here(py);
+        let edit = move |ask: Ask<'_>| edited(&base, turn, &begin, &repairs, ask);
+        let answer = match is_here {
+            true => run_here(py, edit)?,
+            false => run(py, move |stop| edit(&mut || stop.flow()))?,
+        };
+        let (repaired, relaxed) = answer.map_err(|faults| input_error(py, &faults))?;
         let closed = Py::new(py, Closed::new(Arc::new(repaired), relaxed))?;
-        let mut now = self.lock();
-        let last = std::mem::replace(&mut now.closed, closed.clone_ref(py));
-        now.past = Some(Arc::clone(&last.get().inner));
-        drop(now);
+        let last = std::mem::replace(&mut lock(&self.now).closed, closed.clone_ref(py));
+        let inner = Arc::clone(&last.get().inner);
+        drop(last);
+        // To free a valve takes a third of what an edit may cost beside its closure: nobody waits for that.
+        pool(py)?.spawn(move || drop(inner));
         Ok(closed)
     }
 }
 
 impl Live {
-    /// Held for moments only, and with Python's lock held.
-    fn lock(&self) -> std::sync::MutexGuard<'_, Now> {
-        self.now.lock().unwrap_or_else(PoisonError::into_inner)
+    /// The solver, and the closed valve at which one that is yet to be made begins. A forked child needs one of its own: the parent's
+    /// may be in the midst of an edit by a thread that the child does not have.
+    fn solver(&self) -> (Arc<Mutex<Kept>>, Arc<Inner>) {
+        let mut now = lock(&self.now);
+        if now.process != std::process::id() {
+            now.process = std::process::id();
+            now.solver = Arc::default();
+        }
+        (Arc::clone(&now.solver), Arc::clone(&now.closed.get().inner))
     }
+}
 
-    fn ask(&self, py: Python<'_>, request: Request) -> PyResult<()> {
-        let mut now = self.lock();
-        let thread = match now.thread.take() {
-            Some(thread) if thread.process == std::process::id() => thread,
-            _ => begin(
-                Arc::clone(&self.base),
-                now.closed.get().inner.relaxed.equilibrium.clone(),
-                pool(py)?.current_num_threads(),
-            )?,
-        };
-        let sent = thread.ask.send(request);
-        now.thread = Some(thread);
-        sent.map_err(|_| PyRuntimeError::new_err("the thread of this live valve is gone; make a new one"))
+/// The valve with these repairs alone, closed.
+fn edited(base: &Arc<Built>, mut turn: Turn, begin: &Inner, repairs: &[Repair], ask: Ask<'_>) -> Answer {
+    let solver = turn.solver.get_or_insert_with(|| {
+        let closed = &begin.relaxed.equilibrium;
+        Solver::new(Arc::clone(base), |base| Interactive::new(&base.model, closed))
+    });
+    // All that the library does for an edit: to lay a ring is a part of it.
+    let begun = Instant::now();
+    let repaired = base.repaired(repairs)?;
+    if !changes_targets_only(base, &repaired) {
+        let message = "changes more than where annulus and papillary tips end; expected rings and relocations of papillary \
+                       muscles (close a valve `with_repair` for all others)";
+        return Err(vec![Fault::error("repair", message)]);
     }
+    let held = repaired.model.prescribed.iter();
+    let targets_mm: Vec<Vec3> = held.map(|held| held.target_mm).collect();
+    let closed = solver.with_dependent_mut(|_, live| live.close_watched(&targets_mm, |_| ask()));
+    let wall_ms = begun.elapsed().as_secs_f64() * 1e3;
+    let equilibrium = closed.map_err(|fault| vec![fault])?;
+    Ok((repaired, Relaxed { equilibrium, wall_ms }))
 }
 
 /// Whether two models differ in where their held vertices end and in nothing else that a closure would notice.
@@ -147,58 +183,4 @@ fn changes_targets_only(before: &Built, after: &Built) -> bool {
         && before.springs == after.springs
         && before.chords.ends == after.chords.ends
         && held(before) == held(after)
-}
-
-/// A thread that closes the valve as often as it is asked, in a pool of so many.
-fn begin(base: Arc<Built>, closed: Equilibrium, threads: usize) -> PyResult<Thread> {
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .thread_name(|_| "coapt live".into())
-        .build()
-        .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-    let (ask, asked) = channel();
-    pool.spawn(move || {
-        // A panic in a pool's thread would end the process; so it ends the work alone, and whoever waits is told that nobody answers.
-        let _ = catch_unwind(AssertUnwindSafe(|| serve(&base, &closed, &asked)));
-    });
-    Ok(Thread {
-        process: std::process::id(),
-        ask,
-        pool: Some(pool),
-    })
-}
-
-/// Ends once the handle is gone.
-fn serve(base: &Built, closed: &Equilibrium, asked: &Receiver<Request>) {
-    let mut live = Interactive::new(&base.model, closed);
-    while let Ok(Request {
-        repairs,
-        stop,
-        tell,
-        past,
-    }) = asked.recv()
-    {
-        let answer = edited(base, &mut live, &repairs, &stop);
-        // Whoever was interrupted listens no more.
-        let _ = tell.send(Some(answer));
-        drop(past);
-    }
-}
-
-/// The valve with these repairs alone, closed.
-fn edited(base: &Built, live: &mut Interactive<'_>, repairs: &[Repair], stop: &Stop) -> Answer {
-    // All that the library does for an edit: to lay a ring is a part of it.
-    let begun = Instant::now();
-    let repaired = base.repaired(repairs)?;
-    if !changes_targets_only(base, &repaired) {
-        let message = "changes more than where annulus and papillary tips end; expected rings and relocations of papillary \
-                       muscles (close a valve `with_repair` for all others)";
-        return Err(vec![Fault::error("repair", message)]);
-    }
-    let held = repaired.model.prescribed.iter();
-    let targets_mm: Vec<Vec3> = held.map(|held| held.target_mm).collect();
-    let closed = live.close_watched(&targets_mm, |_| stop.flow());
-    let wall_ms = begun.elapsed().as_secs_f64() * 1e3;
-    let equilibrium = closed.map_err(|fault| vec![fault])?;
-    Ok((repaired, Relaxed { equilibrium, wall_ms }))
 }

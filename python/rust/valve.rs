@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use coapt::Vec3;
 use coapt::relax::relax_watched;
-use coapt::scene::{Fault, LineMesh, Load, MMHG_MPA, Repair, Scene, Space, SurfaceMesh};
+use coapt::scene::{Fault, LineMesh, Load, MMHG_MPA, Scene, Space, SurfaceMesh};
 use coapt::state::State;
 use coapt_io::scene::{part_from_table, turn_scene, write_scene};
 use numpy::{PyArray1, PyArray2};
@@ -19,6 +19,7 @@ use crate::arrays::{index_list, index_rows, numbers, out_list, out_points, out_r
 use crate::built::{self, Built};
 use crate::closed::{Closed, Relaxed};
 use crate::fault::{Told, input_error, one_error, outside_error, told};
+use crate::repair::{ReadRepair, repairs_of};
 use crate::run::{Stop, run, run_told};
 use crate::stored;
 use crate::table::{table, value_of};
@@ -115,8 +116,8 @@ impl Valve {
     }
 
     /// The same valve with more repairs.
-    fn with_repairs(&self, py: Python<'_>, repairs: Vec<Bound<'_, PyDict>>) -> PyResult<Self> {
-        let repairs = repairs_of(py, &repairs)?;
+    fn with_repairs(&self, py: Python<'_>, repairs: Vec<Bound<'_, ReadRepair>>) -> PyResult<Self> {
+        let repairs = repairs_of(&repairs);
         let built = Arc::clone(&self.built);
         made(py, run(py, move |_| built.repaired(&repairs))?)
     }
@@ -293,12 +294,6 @@ pub(crate) fn close_many(
         .collect())
 }
 
-/// Says what is wrong with a repair, whatever valve it is for.
-#[pyfunction]
-pub(crate) fn check_repair(py: Python<'_>, repair: &Bound<'_, PyDict>) -> PyResult<()> {
-    repair_of(py, repair).map(|_| ())
-}
-
 /// Closes a valve and takes the time.
 pub(crate) fn closed_of(built: &Built, start: Option<State>, stop: &Stop) -> Relaxed {
     let start = start.unwrap_or_else(|| State::open(&built.model));
@@ -312,20 +307,6 @@ pub(crate) fn closed_of(built: &Built, start: Option<State>, stop: &Stop) -> Rel
 
 fn made(py: Python<'_>, built: Result<Built, Vec<Fault>>) -> PyResult<Valve> {
     built.map(Valve::from).map_err(|faults| input_error(py, &faults))
-}
-
-/// Repairs as plans hold them; all faults at once.
-pub(crate) fn repairs_of(py: Python<'_>, dicts: &[Bound<'_, PyDict>]) -> PyResult<Vec<Repair>> {
-    dicts.iter().map(|dict| repair_of(py, dict)).collect()
-}
-
-fn repair_of(py: Python<'_>, dict: &Bound<'_, PyDict>) -> PyResult<Repair> {
-    let kind = dict
-        .get_item("kind")?
-        .and_then(|kind| kind.extract::<String>().ok());
-    let place = kind.unwrap_or_else(|| "repair".to_owned());
-    let table = table(&place, dict)?;
-    part_from_table(&place, table).map_err(|faults| input_error(py, &faults))
 }
 
 /// Settings with some of them replaced.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import sys
 from pathlib import Path
 
@@ -54,6 +56,22 @@ def test_every_repair_is_carried_out_or_refused_in_words(repair):
         return
     assert repaired.repairs[0]["kind"] == repair.to_dict()["kind"]
     assert repaired.close().status == "converged"
+
+
+@pytest.mark.parametrize("again", [copy.copy, lambda it: pickle.loads(pickle.dumps(it)), lambda it: it.replace()])
+def test_copies_are_repairs_too(again):
+    valve, ring = coapt.generate("healthy", faces=160), coapt.Ring.physio_like(30)
+    assert valve.with_repair(again(ring)).repairs == valve.with_repair(ring).repairs
+
+
+def test_a_list_that_changes_changes_no_repair():
+    """A repair is read when it is made: what it tells of itself afterwards must be that."""
+    groups = ["strut"]
+    torn = coapt.Rupture(region="P2", groups=groups)
+    groups.append("marginal")
+    assert torn.groups == ("strut",)
+    with pytest.raises(coapt.InputError, match="expected a list"):
+        coapt.Rupture(region="P2", groups="strut")
 
 
 def test_what_is_left_out_is_as_in_plans():

@@ -74,8 +74,7 @@ def module(about: str, schema: dict[str, dict], classes: list[tuple[str, dict]],
     body = "\n\n".join(one_class(schema, name, it) for name, it in classes)
     ends = "".join(union(schema, name) for name in unions)
     names = [name for name, _ in classes] + list(unions)
-    checked = "import coapt._coapt as _core\n" if "Repair" in unions else ""
-    types = [word for word in ("Curve", "PlainData", "Vector") if re.search(rf"\b{word}\b", body)]
+    types = [word for word in ("Curve", "PlainData", "RepairData", "Vector") if re.search(rf"\b{word}\b", body)]
     typing = [word for word in ("ClassVar", "Literal") if word in body] + (["TypeAlias", "Union"] if unions else [])
     exported = "".join(f'    "{name}",\n' for name in sorted(names))
     sequence = "from collections.abc import Sequence\n" if "Sequence[" in body else ""
@@ -84,7 +83,7 @@ def module(about: str, schema: dict[str, dict], classes: list[tuple[str, dict]],
         "from __future__ import annotations\n\n"
         f"{sequence}from dataclasses import dataclass\n"
         + (f"from typing import {', '.join(typing)}\n" if typing else "")
-        + f"\n{checked}from coapt._plain import {', '.join(types)}\n\n"
+        + f"\nfrom coapt._plain import {', '.join(types)}\n\n"
         f"__all__ = [\n{exported}]\n\n\n{body}{ends}"
     )
 
@@ -99,22 +98,20 @@ def one_class(schema: dict[str, dict], name: str, it: dict) -> str:
     properties = {key: value for key, value in it["properties"].items() if "const" not in value and key not in FILES}
     required = [key for key in it.get("required", []) if key in properties]
     order = required + [key for key in properties if key not in required]
-    lines = ["@dataclass(frozen=True, kw_only=True, slots=True)", f"class {name}(PlainData):"]
+    lines = ["@dataclass(frozen=True, kw_only=True, slots=True)", f"class {name}({'RepairData' if is_repair(schema, it) else 'PlainData'}):"]
     lines += docstring(schema, it["description"], [(key, properties[key], key in required) for key in order])
     if is_repair(schema, it):
         lines[-1:] = RAISES
     if any("const" in value for value in it["properties"].values()):
         lines += ["", f"    _TAG: ClassVar[tuple[str, str] | None] = {tag(it)}".replace("'", '"')]
-    points = [key for key in order if python_type(schema, properties[key]) in ("Curve", "Vector")]
-    if points:
-        made = ", ".join(f'"{key}"' for key in points) + ","
-        lines += [f"    _POINTS: ClassVar[tuple[str, ...]] = ({made})"]
+    lists = [key for key in order if is_list(python_type(schema, properties[key]))]
+    if lists:
+        made = ", ".join(f'"{key}"' for key in lists) + ","
+        lines += [f"    _LISTS: ClassVar[tuple[str, ...]] = ({made})"]
     lines += [""]
     for key in order:
         kind = python_type(schema, properties[key])
         lines.append(f"    {key}: {kind}" if key in required else f"    {key}: {kind} | None = None")
-    if is_repair(schema, it):
-        lines += ["", "    def _check(self) -> None:", "        _core.check_repair(self.to_dict())"]
     if name == "Ring":
         lines += ring_families(schema, properties)
     return "\n".join(lines) + "\n"
@@ -122,6 +119,10 @@ def one_class(schema: dict[str, dict], name: str, it: dict) -> str:
 
 def is_repair(schema: dict[str, dict], it: dict) -> bool:
     return any(it is kind for kind in schema.get("Repair", {}).get("oneOf", []))
+
+
+def is_list(python_type: str) -> bool:
+    return python_type in ("Curve", "Vector") or python_type.startswith("Sequence[")
 
 
 def ring_families(schema: dict[str, dict], properties: dict[str, dict]) -> list[str]:

@@ -7,7 +7,7 @@ from typing import final
 import coapt._coapt as _core
 from coapt._closed import Closed
 from coapt._given import A_CLOSED, of_type
-from coapt._plain import keys_of_repairs
+from coapt._plain import natives_of_repairs
 from coapt._repairs import RelocatePapillary, Ring
 
 
@@ -62,7 +62,7 @@ class Live:
         KeyboardInterrupt
             Within 0.2 s of Ctrl-C; the valve goes on from where it came to.
         """
-        return Closed._of(self._native.set(keys_of_repairs(repairs)))
+        return Closed._of(self._native.set(natives_of_repairs(repairs)))
 
     def set_ring(self, ring: Ring) -> Closed:
         """Closes the valve with this ring instead of the last edits: ``set(ring)``."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, ClassVar, TypeAlias, Union, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+import coapt._coapt as _core
 from coapt._errors import Fault, InputError
 
 if TYPE_CHECKING:
@@ -35,11 +36,11 @@ class PlainData:
 
     #: Key and value that tell kinds apart, where there are several.
     _TAG: ClassVar[tuple[str, str] | None] = None
-    #: Keys that hold a list of points, shape ``(n, 3)``, or one.
-    _POINTS: ClassVar[tuple[str, ...]] = ()
+    #: Keys that hold a list: words, a point, or points of shape ``(n, 3)``.
+    _LISTS: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
-        for key in self._POINTS:
+        for key in self._LISTS:
             value = getattr(self, key)
             if value is not None:
                 # Tuples are frozen too, and can be compared.
@@ -67,6 +68,23 @@ class PlainData:
         return type(self)(**{**kept, **changes})
 
 
+class RepairData(PlainData):
+    """A repair, read by the library when it is made: what is wrong with it is told then, and no edit has to read it again."""
+
+    __slots__ = ("_read",)
+    _read: _core.Repair
+
+    def _check(self) -> None:
+        object.__setattr__(self, "_read", _core.Repair(self.to_dict()))
+
+    @property
+    def _native(self) -> _core.Repair:
+        if not hasattr(self, "_read"):
+            # Copies and pickles hold the keys alone.
+            self._check()
+        return self._read
+
+
 #: Looked up once for each kind: they are asked for with every move of a slider.
 _KEYS: dict[type[PlainData], tuple[str, ...]] = {}
 
@@ -79,9 +97,13 @@ def _keys(kind: type[PlainData]) -> tuple[str, ...]:
     return keys
 
 
-def _frozen(value: Curve | Vector) -> tuple[float | tuple[float, ...], ...]:
-    rows = value.tolist() if isinstance(value, np.ndarray) else value
-    return tuple(tuple(row) if isinstance(row, (Sequence, np.ndarray)) else row for row in rows)
+def _frozen(value: object) -> object:
+    """Lists, and lists in them, as tuples; anything else as it is, so that the library tells what is wrong with it."""
+    if isinstance(value, np.ndarray):
+        return _frozen(value.tolist())
+    if isinstance(value, Iterable) and not isinstance(value, str):
+        return tuple(_frozen(item) for item in value)
+    return value
 
 
 def keys_of_repairs(given: Sequence[object]) -> list[dict[str, Value]]:
@@ -92,11 +114,26 @@ def keys_of_repairs(given: Sequence[object]) -> list[dict[str, Value]]:
     InputError
         What is no repair.
     """
+    return [repair.to_dict() for repair in _repairs(given)]
+
+
+def natives_of_repairs(given: Sequence[object]) -> list[_core.Repair]:
+    """Repairs as the library has read them.
+
+    Raises
+    ------
+    InputError
+        What is no repair.
+    """
+    return [repair._native for repair in _repairs(given)]
+
+
+def _repairs(given: Sequence[object]) -> Sequence[RepairData]:
     wrong = [
         Fault(f"repair[{number}]", f"is {repair!r}; expected a repair, such as coapt.Ring.physio_like(30)")
         for number, repair in enumerate(given)
-        if not isinstance(repair, PlainData) or repair._TAG is None
+        if not isinstance(repair, RepairData)
     ]
     if wrong:
         raise InputError(wrong)
-    return [cast(PlainData, repair).to_dict() for repair in given]
+    return cast("Sequence[RepairData]", given)

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias, Union
 
-import coapt._coapt as _core
-from coapt._plain import Curve, PlainData, Vector
+from coapt._plain import Curve, RepairData, Vector
 
 __all__ = [
     "Alfieri",
@@ -29,7 +28,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Ring(PlainData):
+class Ring(RepairData):
     """Annuloplasty: the annulus is drawn onto a ring.
 
     Parameters
@@ -67,7 +66,7 @@ class Ring(PlainData):
     """
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "ring")
-    _POINTS: ClassVar[tuple[str, ...]] = ("curve_mm",)
+    _LISTS: ClassVar[tuple[str, ...]] = ("curve_mm",)
 
     ap_mm: float | None = None
     attachment: Literal["arc-length", "nearest-point", "sutures"] | None = None
@@ -79,9 +78,6 @@ class Ring(PlainData):
     saddle_height_mm: float | None = None
     size_mm: float | None = None
     sutures: int | None = None
-
-    def _check(self) -> None:
-        _core.check_repair(self.to_dict())
 
     @classmethod
     def classic_like(
@@ -195,7 +191,7 @@ class Ring(PlainData):
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Clip(PlainData):
+class Clip(RepairData):
     """Edge-to-edge repair with a clip, which grips both leaflets between its arms.
 
     Parameters
@@ -239,12 +235,9 @@ class Clip(PlainData):
     size: Literal["short", "short-wide", "long", "long-wide"] | None = None
     stiffness_n_per_mm: float | None = None
 
-    def _check(self) -> None:
-        _core.check_repair(self.to_dict())
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Alfieri(PlainData):
+class Alfieri(RepairData):
     """Edge-to-edge repair with stitches (Alfieri): a stretch of both margins is sewn together.
 
     Parameters
@@ -273,12 +266,9 @@ class Alfieri(PlainData):
     position: float | None = None
     site: Literal["A1P1", "A2P2", "A3P3"] | None = None
 
-    def _check(self) -> None:
-        _core.check_repair(self.to_dict())
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Neochord(PlainData):
+class Neochord(RepairData):
     """Artificial chordae from a papillary tip to a leaflet.
 
     Parameters
@@ -322,7 +312,7 @@ class Neochord(PlainData):
     """
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "neochord")
-    _POINTS: ClassVar[tuple[str, ...]] = ("point_mm",)
+    _LISTS: ClassVar[tuple[str, ...]] = ("point_mm",)
 
     leaflet: str
     axial_stiffness_n: float | None = None
@@ -337,12 +327,9 @@ class Neochord(PlainData):
     strands: int | None = None
     tip: int | None = None
 
-    def _check(self) -> None:
-        _core.check_repair(self.to_dict())
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class CutChord(PlainData):
+class CutChord(RepairData):
     """Chordae are cut, as those that tether a leaflet.
 
     Parameters
@@ -363,19 +350,16 @@ class CutChord(PlainData):
     """
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "cut-chord")
-    _POINTS: ClassVar[tuple[str, ...]] = ("near_mm",)
+    _LISTS: ClassVar[tuple[str, ...]] = ("near_mm",)
 
     count: int | None = None
     group: str | None = None
     near_mm: Vector | None = None
     part: Literal["chord", "branch"] | None = None
 
-    def _check(self) -> None:
-        _core.check_repair(self.to_dict())
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class TransferChord(PlainData):
+class TransferChord(RepairData):
     """A chord is set to another place of a leaflet or to another papillary tip.
 
     Parameters
@@ -408,7 +392,7 @@ class TransferChord(PlainData):
     """
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "transfer-chord")
-    _POINTS: ClassVar[tuple[str, ...]] = ("near_mm", "point_mm",)
+    _LISTS: ClassVar[tuple[str, ...]] = ("near_mm", "point_mm",)
 
     near_mm: Vector
     group: str | None = None
@@ -420,12 +404,9 @@ class TransferChord(PlainData):
     site: Literal["A1P1", "A2P2", "A3P3"] | None = None
     tip: int | None = None
 
-    def _check(self) -> None:
-        _core.check_repair(self.to_dict())
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Rupture(PlainData):
+class Rupture(RepairData):
     """Chordae tear; no repair, but what one is for.
 
     Parameters
@@ -447,18 +428,16 @@ class Rupture(PlainData):
     """
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "rupture")
+    _LISTS: ClassVar[tuple[str, ...]] = ("groups",)
 
     region: Literal["A1", "A2", "A3", "P1", "P2", "P3"]
     count: int | None = None
     fraction: float | None = None
     groups: Sequence[str] | None = None
 
-    def _check(self) -> None:
-        _core.check_repair(self.to_dict())
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class RelocatePapillary(PlainData):
+class RelocatePapillary(RepairData):
     """A papillary muscle is drawn elsewhere.
 
     Parameters
@@ -479,19 +458,16 @@ class RelocatePapillary(PlainData):
     """
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "relocate-papillary")
-    _POINTS: ClassVar[tuple[str, ...]] = ("by_mm",)
+    _LISTS: ClassVar[tuple[str, ...]] = ("by_mm",)
 
     muscle: str
     by_mm: Vector | None = None
     distance_mm: float | None = None
     toward: Literal["mid-anterior", "mid-posterior", "commissure-anterolateral", "commissure-posteromedial", "trigone-left", "trigone-right"] | None = None
 
-    def _check(self) -> None:
-        _core.check_repair(self.to_dict())
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class CloseCleft(PlainData):
+class CloseCleft(RepairData):
     """An indentation of the posterior margin is sewn up.
 
     Parameters
@@ -513,12 +489,9 @@ class CloseCleft(PlainData):
     position: float
     depth_mm: float
 
-    def _check(self) -> None:
-        _core.check_repair(self.to_dict())
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Resect(PlainData):
+class Resect(RepairData):
     """A piece of a leaflet is cut out, and the edges of the gap are sewn together.
 
     Parameters
@@ -560,12 +533,9 @@ class Resect(PlainData):
     strip_mm: float | None = None
     width_mm: float | None = None
 
-    def _check(self) -> None:
-        _core.check_repair(self.to_dict())
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Augment(PlainData):
+class Augment(RepairData):
     """A patch is set into a leaflet, which makes it higher.
 
     Parameters
@@ -602,9 +572,6 @@ class Augment(PlainData):
     position: float | None = None
     site: Literal["A1P1", "A2P2", "A3P3"] | None = None
     width_mm: float | None = None
-
-    def _check(self) -> None:
-        _core.check_repair(self.to_dict())
 
 
 #: One surgical deed.

@@ -54,7 +54,7 @@ class Landmarks(PlainData):
     trigone_right_mm : Vector, optional
         Right (posteromedial side) fibrous trigone.
     """
-    _POINTS: ClassVar[tuple[str, ...]] = ("commissure_anterolateral_mm", "commissure_posteromedial_mm", "mid_anterior_mm", "mid_posterior_mm", "trigone_left_mm", "trigone_right_mm",)
+    _LISTS: ClassVar[tuple[str, ...]] = ("commissure_anterolateral_mm", "commissure_posteromedial_mm", "mid_anterior_mm", "mid_posterior_mm", "trigone_left_mm", "trigone_right_mm",)
 
     commissure_anterolateral_mm: Vector | None = None
     commissure_posteromedial_mm: Vector | None = None

@@ -281,6 +281,7 @@ class ChordTable(PlainData):
     """
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "table")
+    _LISTS: ClassVar[tuple[str, ...]] = ("strain", "stress_mpa",)
 
     strain: Sequence[float]
     stress_mpa: Sequence[float]

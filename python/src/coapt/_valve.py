@@ -13,7 +13,7 @@ from coapt._errors import Fault, fault_of
 from coapt._given import A_VALVE, counted, of_type, wrong_type
 from coapt._optional import needed
 from coapt._parts import CHORD_KEYS, ChordGroup, Leaflet, PapillaryMuscle, keys_of
-from coapt._plain import Json, PlainData, Value, keys_of_repairs
+from coapt._plain import Json, PlainData, Value, natives_of_repairs
 from coapt._progress import Progress
 from coapt._repairs import Repair
 from coapt._settings import Contact, Landmarks, Settings, Weld
@@ -196,7 +196,7 @@ class Valve:
         InputError
             Why a repair cannot be carried out.
         """
-        return Valve._of(self._native.with_repairs(keys_of_repairs(repairs)))
+        return Valve._of(self._native.with_repairs(natives_of_repairs(repairs)))
 
     def with_pressure(self, pressure_mmhg: float) -> Valve:
         """The same valve under another transvalvular pressure [mmHg].
