@@ -20,6 +20,7 @@ pub mod visible;
 pub(crate) mod atrial_view;
 mod distance;
 pub(crate) mod indexed_surface;
+mod passage;
 mod plane;
 mod raster;
 mod seal;
