@@ -88,14 +88,18 @@ fn row(name: impl Into<String>, unit: &'static str, digits: usize, value: f64) -
 }
 
 fn groups(m: &Measures) -> Vec<Group> {
+    let passage = m.orifice.passage_mm2;
     vec![
         Group {
             title: "Competence",
-            rows: vec![
+            rows: [
                 row("regurgitant orifice area", "mm²", 1, m.orifice.area_mm2),
                 row("holes", "", 0, m.orifice.count as f64),
                 row("widest gap", "mm", 1, m.orifice.max_gap_mm),
-            ],
+            ]
+            .into_iter()
+            .chain(passage.map(|area_mm2| row("narrowest passage between surfaces", "mm²", 1, area_mm2)))
+            .collect(),
         },
         Group {
             title: "Coaptation",

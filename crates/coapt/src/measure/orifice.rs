@@ -33,7 +33,7 @@ pub struct OrificeMeasures {
     /// annulus all round.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub passage_mm2: Option<f64>,
-    /// Number of holes.
+    /// Number of holes between margins.
     pub count: usize,
     /// How wide the widest hole gapes [mm], which says nothing of how long it is: the farthest that its open margin is from the
     /// tissue of another leaflet, on the side of the hole where that is less. So a margin that hangs free below a seal, or one open

@@ -100,10 +100,11 @@ struct Column {
     digits: usize,
 }
 
-fn all_columns() -> [Column; 10] {
+fn all_columns() -> [Column; 11] {
     [
         of_criterion(Criterion::Orifice, "/orifice/area_mm2"),
         column("widest gap [mm]", "/orifice/max_gap_mm", 1),
+        column("narrowest passage [mm²]", "/orifice/passage_mm2", 1),
         of_criterion(Criterion::CoaptationLengthA2P2, "/coaptation/length_a2p2_mm"),
         of_criterion(Criterion::CoaptationLength, "/coaptation/length_mean_mm"),
         column("contact [mm²]", "/coaptation/area_mm2", 0),
