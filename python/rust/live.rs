@@ -4,11 +4,13 @@
 //! calling one, since to wake another for every move of a slider costs more than all else that an edit takes beside its closure.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::ThreadId;
 use std::time::Instant;
 
 use coapt::Vec3;
 use coapt::relax::Interactive;
 use coapt::scene::{Fault, Repair};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use self_cell::self_cell;
 
@@ -38,7 +40,8 @@ struct Now {
 #[derive(Default)]
 struct Kept {
     solver: Option<Solver>,
-    is_taken: bool,
+    /// The thread whose edit has the solver.
+    taken_by: Option<ThreadId>,
 }
 
 self_cell! {
@@ -61,9 +64,10 @@ impl Turn {
     /// None while another edit has the solver.
     fn take(kept: &Arc<Mutex<Kept>>) -> Option<Self> {
         let mut now = lock(kept);
-        if std::mem::replace(&mut now.is_taken, true) {
+        if now.taken_by.is_some() {
             return None;
         }
+        now.taken_by = Some(std::thread::current().id());
         Some(Self {
             kept: Arc::clone(kept),
             solver: now.solver.take(),
@@ -77,7 +81,7 @@ impl Drop for Turn {
         let solver = self.solver.take().filter(|_| !std::thread::panicking());
         *lock(&self.kept) = Kept {
             solver,
-            is_taken: false,
+            taken_by: None,
         };
     }
 }
@@ -119,6 +123,10 @@ impl Live {
         let repairs = repairs_of(&repairs);
         let base = Arc::clone(&self.base);
         let (kept, begin) = self.solver();
+        if lock(&kept).taken_by == Some(std::thread::current().id()) {
+            // A signal handler, or whoever watches the edit: it would wait for itself.
+            return Err(PyRuntimeError::new_err("the valve is in the midst of an edit by this very thread"));
+        }
         let turn = wait_for(py, || Turn::take(&kept))?;
         let is_here = base.model.rest_mm.len() <= SMALL && may_run_here(py);
         let edit = move |ask: Ask<'_>| edited(&base, turn, &begin, &repairs, ask);

@@ -155,6 +155,30 @@ def test_threads_edit_a_live_valve_in_turn():
     assert live.closed.certified
 
 
+@pytest.mark.parametrize("faces", [1300, 4000])
+def test_an_edit_from_within_an_edit_is_refused(faces):
+    """A signal handler that edits the valve whose edit it has interrupted would wait for itself."""
+    told = run(f"""
+        import signal
+        import coapt
+        live = coapt.generate('barlow', faces={faces}).interactive()
+        told = []
+        def edit(*_):
+            try:
+                live.set_ring(coapt.Ring.physio_like(30))
+            except RuntimeError as error:
+                told.append(str(error))
+        signal.signal(signal.SIGALRM, edit)
+        signal.setitimer(signal.ITIMER_REAL, 0.02)
+        while not told:
+            for size in (34, 30, 38, 28):
+                live.set_ring(coapt.Ring.physio_like(size))
+            signal.setitimer(signal.ITIMER_REAL, 0.02)
+        print(told[0], live.closed.certified)
+    """)
+    assert told == "the valve is in the midst of an edit by this very thread True"
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks on this system")
 def test_a_forked_child_closes_valves():
     """The parent's threads are none of the child's: with a pool of before the fork, the child would wait for ever."""
