@@ -125,7 +125,9 @@ impl Live {
         let (kept, begin) = self.solver();
         if lock(&kept).taken_by == Some(std::thread::current().id()) {
             // A signal handler, or whoever watches the edit: it would wait for itself.
-            return Err(PyRuntimeError::new_err("the valve is in the midst of an edit by this very thread"));
+            return Err(PyRuntimeError::new_err(
+                "the valve is in the midst of an edit by this very thread",
+            ));
         }
         let turn = wait_for(py, || Turn::take(&kept))?;
         let is_here = base.model.rest_mm.len() <= SMALL && may_run_here(py);
