@@ -170,10 +170,8 @@ def test_an_edit_from_within_an_edit_is_refused(faces):
                 told.append(str(error))
         signal.signal(signal.SIGALRM, edit)
         signal.setitimer(signal.ITIMER_REAL, 0.02)
-        while not told:
-            for size in (34, 30, 38, 28):
-                live.set_ring(coapt.Ring.physio_like(size))
-            signal.setitimer(signal.ITIMER_REAL, 0.02)
+        live.set_ring(coapt.Ring.physio_like(34))
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
         print(told[0], live.closed.certified)
     """)
     assert told == "the valve is in the midst of an edit by this very thread True"
