@@ -27,6 +27,34 @@ pub(crate) struct Live {
     base: Arc<Built>,
     /// Locked with Python's lock held only, as forks of Python are made.
     now: Mutex<Now>,
+    /// Threads in the midst of [`Live::set`].
+    within: Mutex<Vec<ThreadId>>,
+}
+
+/// A thread's stay in the midst of an edit.
+struct Within<'a>(&'a Mutex<Vec<ThreadId>>);
+
+impl<'a> Within<'a> {
+    /// # Errors
+    /// It is there already: a signal handler that edits the valve whose edit it interrupts would wait for itself.
+    fn enter(threads: &'a Mutex<Vec<ThreadId>>) -> PyResult<Self> {
+        let this = std::thread::current().id();
+        let mut within = lock(threads);
+        if within.contains(&this) {
+            return Err(PyRuntimeError::new_err(
+                "the valve is in the midst of an edit by this very thread",
+            ));
+        }
+        within.push(this);
+        Ok(Self(threads))
+    }
+}
+
+impl Drop for Within<'_> {
+    fn drop(&mut self) {
+        let this = std::thread::current().id();
+        lock(self.0).retain(|thread| *thread != this);
+    }
 }
 
 struct Now {
@@ -40,8 +68,7 @@ struct Now {
 #[derive(Default)]
 struct Kept {
     solver: Option<Solver>,
-    /// The thread whose edit has the solver.
-    taken_by: Option<ThreadId>,
+    is_taken: bool,
 }
 
 self_cell! {
@@ -64,10 +91,9 @@ impl Turn {
     /// None while another edit has the solver.
     fn take(kept: &Arc<Mutex<Kept>>) -> Option<Self> {
         let mut now = lock(kept);
-        if now.taken_by.is_some() {
+        if std::mem::replace(&mut now.is_taken, true) {
             return None;
         }
-        now.taken_by = Some(std::thread::current().id());
         Some(Self {
             kept: Arc::clone(kept),
             solver: now.solver.take(),
@@ -81,7 +107,7 @@ impl Drop for Turn {
         let solver = self.solver.take().filter(|_| !std::thread::panicking());
         *lock(&self.kept) = Kept {
             solver,
-            taken_by: None,
+            is_taken: false,
         };
     }
 }
@@ -109,6 +135,7 @@ impl Live {
                 solver: Arc::default(),
                 process: std::process::id(),
             }),
+            within: Mutex::default(),
         }
     }
 
@@ -123,12 +150,7 @@ impl Live {
         let repairs = repairs_of(&repairs);
         let base = Arc::clone(&self.base);
         let (kept, begin) = self.solver();
-        if lock(&kept).taken_by == Some(std::thread::current().id()) {
-            // A signal handler, or whoever watches the edit: it would wait for itself.
-            return Err(PyRuntimeError::new_err(
-                "the valve is in the midst of an edit by this very thread",
-            ));
-        }
+        let _within = Within::enter(&self.within)?;
         let turn = wait_for(py, || Turn::take(&kept))?;
         let is_here = base.model.rest_mm.len() <= SMALL && may_run_here(py);
         let edit = move |ask: Ask<'_>| edited(&base, turn, &begin, &repairs, ask);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 
 import numpy as np
@@ -54,6 +55,17 @@ def test_arrays_are_read_only_and_the_same_each_time(closed):
 def test_positions_outlive_their_result():
     positions = coapt.generate("healthy", faces=FACES).close().positions_mm
     assert np.isfinite(positions).all()
+
+
+def test_repairs_are_of_what_was_given_when_they_were_made(healthy):
+    size = np.array(30.0)
+    ring = coapt.Ring.physio_like(size)
+    size[()] = 26.0
+    assert ring.size_mm == 30.0 and type(ring.size_mm) is float
+    assert healthy.with_repair(ring).repairs[0]["size_mm"] == 30.0
+    assert hash(ring) == hash(coapt.Ring.physio_like(np.int64(30)))
+    json.dumps(coapt.Ring.physio_like(np.float32(30)).to_dict())
+    assert coapt.Ring(family="band", size_mm=30, flexible=np.bool_(False)) == coapt.Ring(family="band", size_mm=30, flexible=False)
 
 
 def test_results_and_valves_are_frozen(healthy, closed):

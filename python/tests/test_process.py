@@ -156,6 +156,29 @@ def test_threads_edit_a_live_valve_in_turn():
 
 
 @pytest.mark.parametrize("faces", [1300, 4000])
+def test_an_edit_right_after_an_interrupted_one_goes_on(faces):
+    told = run(f"""
+        import signal
+        import coapt
+        live = coapt.generate('barlow', faces={faces}).interactive()
+        def stop(*_):
+            raise RuntimeError('stop')
+        signal.signal(signal.SIGALRM, stop)
+        stopped = 0
+        for size in (34, 30, 38):
+            signal.setitimer(signal.ITIMER_REAL, 0.02)
+            try:
+                live.set_ring(coapt.Ring.physio_like(size))
+            except RuntimeError as error:
+                stopped += str(error) == 'stop'
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            live.set_ring(coapt.Ring.physio_like(size + 1))
+        print(stopped, live.closed.valve.repairs[0]['size_mm'])
+    """)
+    assert told == "3 39.0"
+
+
+@pytest.mark.parametrize("faces", [1300, 4000])
 def test_an_edit_from_within_an_edit_is_refused(faces):
     """A signal handler that edits the valve whose edit it has interrupted would wait for itself."""
     told = run(f"""

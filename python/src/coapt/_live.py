@@ -48,7 +48,8 @@ class Live:
         return Closed._of(self._native.closed)
 
     def set(self, *repairs: Ring | RelocatePapillary) -> Closed:
-        """Closes the valve with these edits instead of the last ones. Without any, as it was.
+        """Closes the valve with these edits instead of the last ones. Without any, the valve is closed as it was given, beginning
+        where the last edit ended: where several shapes are stable it may come to another than before.
 
         Returns
         -------

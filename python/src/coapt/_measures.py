@@ -98,15 +98,15 @@ class Orifice:
     Attributes
     ----------
     area_mm2 : float
-        Anatomic regurgitant orifice area [mm²]: what open margins bound, between middle surfaces, or the narrowest passage where that
-        is more.
+        Anatomic regurgitant orifice area [mm²]: what open margins bound, between middle surfaces.
     count : int
-        Number of holes between margins.
+        Number of holes.
     max_gap_mm : float
         How wide the widest hole gapes [mm], on the side where a margin is nearer to the other leaflet; nothing of its length.
     passage_mm2 : float or None
         The narrowest passage [mm²]: area of the smallest surface that parts atrium and ventricle, between the surfaces of the
-        tissue; None where leaflets do not hang from the annulus all round.
+        tissue, found without regard to margins; None where it was not asked for (samples, films) or leaflets do not hang from the
+        annulus all round.
     """
 
     area_mm2: float

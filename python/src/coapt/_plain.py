@@ -40,9 +40,12 @@ class PlainData:
     _LISTS: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
-        for key in self._LISTS:
+        for key in _keys(type(self)):
             value = getattr(self, key)
-            if value is not None:
+            if isinstance(value, (np.generic, np.ndarray)) and value.ndim == 0:
+                # A number of Python, which nobody can change.
+                object.__setattr__(self, key, value.item())
+            elif value is not None and key in self._LISTS:
                 # Tuples are frozen too, and can be compared.
                 object.__setattr__(self, key, _frozen(value))
         self._check()

@@ -239,7 +239,11 @@ fn each_preset_is_mended_by_what_it_is_meant_for() {
     for (kind, alternatives, found) in &all {
         for (number, alternative) in alternatives.iter().enumerate() {
             let measures = &outcome(found, number).measures;
-            let seals = measures.orifice.area_mm2 < SEALED_BELOW_MM2;
+            let passage_mm2 = measures
+                .orifice
+                .passage_mm2
+                .expect("presets hang from their annulus");
+            let seals = measures.orifice.area_mm2 < SEALED_BELOW_MM2 && passage_mm2 < SEALED_BELOW_MM2;
             let aimed_for = measures.coaptation.length_a2p2_mm >= COAPTATION_TARGET_MM;
             let name = format!("{} {}: {:?}", kind.name(), alternative.name, measures.orifice);
             match (kind, alternative.name.contains("stitches")) {

@@ -8,7 +8,7 @@ mod mended;
 mod refused;
 mod rings;
 
-use coapt::measure::{Measures, measure};
+use coapt::measure::{Measures, measure_with_passage};
 use coapt::mesh::parametric::Preset;
 use coapt::model::Model;
 use coapt::relax::Equilibrium;
@@ -70,7 +70,7 @@ fn closed(name: &str, model: &Model) -> Closed {
     let start = std::time::Instant::now();
     let equilibrium = close(model);
     let certificate = &equilibrium.certificate;
-    let measures = measure(model, &equilibrium.state.positions_mm, &equilibrium.reactions_n);
+    let measures = measure_with_passage(model, &equilibrium.state.positions_mm, &equilibrium.reactions_n);
     println!(
         "{name}: {:?}, {} iterations, {:.1} s; orifice {:.1} mm2, contact {:.0} mm2, tenting {:.1} mm; chordae {:.2} N, sutures {:?}",
         equilibrium.status,

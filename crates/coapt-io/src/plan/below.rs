@@ -8,7 +8,7 @@ use coapt::plan::ensemble::SEALED_BELOW_MM2;
 
 use super::words::{Words, words};
 use super::{Closed, Open, Rate, Sampled, Sensitivities};
-use crate::report::{NOT_CERTIFIED, extent_words, number, reasons, slack_line, slack_mark};
+use crate::report::{NOT_CERTIFIED, extent_words, number, orifice_doubt, reasons, slack_line, slack_mark};
 
 /// All lines of a closed valve; `before` is the valve as it is, for one after repair.
 pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
@@ -21,6 +21,12 @@ pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
             number(rounded, 0)
         ));
     }
+    let doubt = closed
+        .solve
+        .certified
+        .then(|| orifice_doubt(&closed.measures.orifice))
+        .flatten();
+    lines.extend(doubt.map(|doubt| format!("orifice {doubt}")));
     lines.extend(
         closed
             .ring_laid

@@ -70,6 +70,7 @@ pub fn carry_out(
     let settings = Settings {
         criteria: plan.ranked_by(),
         keep_positions: keep_shapes || asked.sensitivities,
+        passage: true,
         diastole: asked.diastole,
         warm: asked.warm,
     };

@@ -41,6 +41,7 @@ pub(crate) fn compared_with(plan: &str, diastole: bool) -> Compared {
     let (plan, _) = alternatives_from_text(Path::new("plan.toml"), plan, 10).unwrap();
     let settings = Settings {
         keep_positions: true,
+        passage: true,
         warm: false,
         diastole,
         criteria: plan.ranked_by(),

@@ -21,7 +21,8 @@ pub(crate) use surfaces::{chords, loaded_chords, ring_curves, stage_closed_chord
 pub use surfaces::{closed_surface, stage_results, write_closed_surface, write_results};
 pub use text::text;
 pub(crate) use text::{
-    GRASP, NOT_CERTIFIED, WIDTH, is_zero, left_out_line, line, number, reasons, untangled_line, wrapped,
+    GRASP, NOT_CERTIFIED, WIDTH, is_zero, left_out_line, line, number, orifice_doubt, reasons,
+    untangled_line, wrapped,
 };
 
 /// The layout of the JSON report.
@@ -239,7 +240,7 @@ fn outcome(closed: &Closed) -> Outcome {
             discretisation_mm: certificate.discretisation_mm,
         },
         chord_groups: group_names(&closed.model),
-        measures: measure::measure(
+        measures: measure::measure_with_passage(
             &closed.model,
             &equilibrium.state.positions_mm,
             &equilibrium.reactions_n,

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use coapt::measure::{Agreement, OrificeMeasures};
 use coapt::relax::Status;
 use coapt::scene::{Readable, Settings};
 
@@ -63,9 +64,19 @@ pub fn text(report: &Report) -> String {
         );
     }
     table(&mut out, report);
-    if report.repairs.iter().any(joins_edges) {
+    let notes = orifice_doubts(report)
+        .into_iter()
+        .map(|doubt| ("orifice", doubt))
+        .chain(
+            report
+                .repairs
+                .iter()
+                .any(joins_edges)
+                .then(|| ("coaptation", GRASP.to_owned())),
+        );
+    for (of, note) in notes {
         out.push('\n');
-        line(&mut out, "coaptation", GRASP);
+        line(&mut out, of, &note);
     }
     if !report.warnings.is_empty() {
         out.push('\n');
@@ -83,6 +94,34 @@ pub(crate) const NOT_CERTIFIED: &str = "NOT CERTIFIED";
 /// What coaptation of valves that are joined edge to edge is not.
 pub(crate) const GRASP: &str = "what a clip grasps or stitches hold counts as coaptation: at the joint, as at A2-P2, lengths are in part the grasp's, \
      and do not tell how the leaflets meet beside it";
+
+/// Where margins and passage do not agree on what is open, by state.
+pub(crate) fn orifice_doubts(report: &Report) -> Vec<String> {
+    let states = [("before", Some(&report.before)), ("after", report.after.as_ref())];
+    let doubts = states.into_iter().filter_map(|(state, outcome)| {
+        let doubt = orifice_doubt(&outcome?.measures.orifice)?;
+        Some(match report.after {
+            Some(_) => format!("{state}: {doubt}"),
+            None => doubt,
+        })
+    });
+    doubts.collect()
+}
+
+/// That margins and passage do not agree on what is open.
+pub(crate) fn orifice_doubt(orifice: &OrificeMeasures) -> Option<String> {
+    let passage_mm2 = orifice.passage_mm2?;
+    let area_mm2 = orifice.area_mm2;
+    match orifice.agreement() {
+        Agreement::Fair => None,
+        Agreement::MarginsMiss => Some(format!(
+            "in doubt: {passage_mm2:.1} mm² can pass between the surfaces, of which the margins show {area_mm2:.1}; a finer mesh tells more"
+        )),
+        Agreement::MarginsExceed => Some(format!(
+            "in doubt: the margins bound {area_mm2:.1} mm², and {passage_mm2:.1} can pass between the surfaces; a finer mesh tells more"
+        )),
+    }
+}
 
 /// Two lines on how far a result can be trusted.
 fn certificate(out: &mut String, name: &str, solve: &Solve) {

@@ -180,7 +180,10 @@ pub fn ensemble(
     start: Option<&State>,
     watch: Watch,
 ) -> Ensemble {
-    let settings = Settings::default();
+    let settings = Settings {
+        passage: false,
+        ..Settings::default()
+    };
     let sample = |number: u32| {
         let varied = varied(model, uncertainty, seed, number);
         let applied = apply_all(&varied, repairs)?;

@@ -19,7 +19,7 @@ pub use sampling::{Sampling, Summaries, Summary, summaries};
 
 use crate::Vec3;
 use crate::measure::flow::regurgitant_volume_ml;
-use crate::measure::{Measures, SlackNeochord, measure, slack_neochordae};
+use crate::measure::{Measures, SlackNeochord, measure, measure_with_passage, slack_neochordae};
 use crate::model::Model;
 use crate::relax::{Certificate, Moment, Status, relax_watched};
 use crate::repair::{self, Report};
@@ -63,6 +63,8 @@ pub struct Settings {
     /// Whether each valve is also relaxed without pressure: that takes 0.1 to 0.7 times the time of a closure (the presets, and a
     /// dilated valve after twelve rings).
     pub diastole: bool,
+    /// Whether the [narrowest passage](crate::measure::passage_mm2) is measured too.
+    pub passage: bool,
     /// Whether alternatives that differ from an earlier one in their last repair alone begin at its closed shape: see [`compare`].
     pub warm: bool,
 }
@@ -73,6 +75,7 @@ impl Default for Settings {
             criteria: Criterion::DEFAULT.to_vec(),
             keep_positions: false,
             diastole: false,
+            passage: true,
             warm: false,
         }
     }
@@ -325,6 +328,10 @@ fn closed(applied: Applied, start: Start, settings: &Settings, watch: Watch) -> 
         _ => relax_watched(model, &own, look),
     };
     let positions_mm = equilibrium.state.positions_mm;
+    let measure = match settings.passage {
+        true => measure_with_passage,
+        false => measure,
+    };
     let measures = measure(model, &positions_mm, &equilibrium.reactions_n);
     let diastole = settings
         .diastole

@@ -1,11 +1,11 @@
 //! How far each state can be trusted, what was done, and what is doubtful.
 
-use coapt::measure::SlackNeochord;
+use coapt::measure::{OrificeMeasures, SlackNeochord};
 use serde::Deserialize;
 
 use super::{doubt, word};
 use crate::page::{Page, PageState, Seals};
-use crate::report::{RepairReport, repair_line, slack_line};
+use crate::report::{RepairReport, orifice_doubt, repair_line, slack_line};
 
 pub(super) fn trust(page: &Page) -> String {
     let states = page.states.iter().enumerate();
@@ -26,7 +26,12 @@ pub(super) fn trust(page: &Page) -> String {
     let warnings = warnings
         .flatten()
         .filter_map(|text| text.as_str().map(str::to_owned));
-    out + &told("Doubts", warnings)
+    let states = ["before", "after"].into_iter();
+    let of_orifices = states.filter_map(|state| {
+        let orifice = OrificeMeasures::deserialize(&page.report[state]["orifice"]).ok()?;
+        Some(format!("orifice {state}: {}", orifice_doubt(&orifice)?))
+    });
+    out + &told("Doubts", warnings.chain(of_orifices))
 }
 
 fn told(heading: &str, lines: impl Iterator<Item = String>) -> String {

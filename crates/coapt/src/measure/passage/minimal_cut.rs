@@ -15,6 +15,8 @@ const MOVES: usize = 12;
 /// Iterations to see where the surface goes, and to measure it: twice as many change areas by less than 1 %.
 const ITERATIONS: usize = 60;
 const LAST_ITERATIONS: usize = 120;
+/// A passage of fewer faces of cubes is none: whether single cubes are free is chance. Our choice, 1 mm² by default.
+const LEAST_FACES: f64 = 3.0;
 /// Both steps of the iteration [1]: 1/√12, twelve being the largest square of the norm of the differences.
 const STEP: f32 = 0.288_675;
 /// No cube of the band.
@@ -31,7 +33,11 @@ pub(super) fn minimal_cut_mm2(voxels: &Voxels, mut sides: Vec<Side>) -> f64 {
         band = Band::around(voxels, &sides);
     }
     band.minimise(LAST_ITERATIONS);
-    band.variation() * voxels.edge_mm * voxels.edge_mm
+    let faces = band.variation();
+    match faces < LEAST_FACES {
+        true => 0.0,
+        false => faces * voxels.edge_mm * voxels.edge_mm,
+    }
 }
 
 /// The free cubes near a throat. Where a cube has no neighbour in it, differences are zero: walls and what lies beyond pull at
@@ -52,18 +58,19 @@ struct Band {
 
 impl Band {
     fn around(voxels: &Voxels, sides: &[Side]) -> Self {
-        let parts = |cube: usize| {
-            let side = sides[cube];
-            let others = voxels.neighbours(cube).map(|next| sides[next]);
-            others.iter().any(|&other| other != Side::None && other != side)
-        };
-        let mut found: Vec<u32> = (0..sides.len() as u32)
-            .filter(|&cube| sides[cube as usize] != Side::None && parts(cube as usize))
-            .collect();
+        let strides = voxels.strides();
         let mut is_found = vec![false; sides.len()];
-        for &cube in &found {
-            is_found[cube as usize] = true;
+        for (cube, &side) in sides.iter().enumerate().filter(|(_, side)| **side != Side::None) {
+            for other in strides.map(|stride| cube + stride) {
+                if sides[other] != side && sides[other] != Side::None {
+                    is_found[cube] = true;
+                    is_found[other] = true;
+                }
+            }
         }
+        let mut found: Vec<u32> = (0..sides.len() as u32)
+            .filter(|&cube| is_found[cube as usize])
+            .collect();
         let mut last_ring = 0;
         for _ in 0..BAND {
             let end = found.len();
@@ -88,7 +95,6 @@ impl Band {
         for (place, &cube) in cubes.iter().enumerate() {
             places[cube as usize] = place as u32;
         }
-        let strides = voxels.strides();
         let along = |way: &dyn Fn(usize, usize) -> usize, none: &dyn Fn(usize) -> usize| {
             let of_cube = |(place, &cube): (usize, &u32)| {
                 strides.map(|stride| match places[way(cube as usize, stride)] {

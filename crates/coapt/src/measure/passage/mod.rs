@@ -1,8 +1,9 @@
 //! The narrowest passage: the smallest surface that parts the atrium from the ventricle, through what the tissue leaves free.
 //!
 //! Leaflets are as thick as contact makes them, so that what touches is closed; outside the annulus there is a wall. Of all
-//! surfaces that span what is left, the smallest is what blood must pass. It needs neither margins nor a way to pair them, and hardly
-//! depends on the mesh (`VALIDATION.md`); that it is found in cubes of half a millimetre costs about 2 mm².
+//! surfaces that span what is left, the smallest is what blood must pass. It needs neither margins nor a way to pair them, and grows
+//! evenly with what opens a valve (`VALIDATION.md`). That it is found in cubes of half a millimetre costs some 2 mm², in steps: it has
+//! no rate with a parameter.
 //!
 //! * [`voxels`]: the space around the valve in cubes, those of tissue walled.
 //! * [`throat`]: whether there is a way through, and where about it is narrowest.
@@ -14,16 +15,22 @@ mod voxels;
 
 use super::annulus::{annulus_curve, plane_of};
 use super::gap::threshold_mm;
-use super::surface::Surface;
+use super::surface::surface;
+use super::usable_positions;
 use crate::Vec3;
 use crate::model::Model;
 use minimal_cut::minimal_cut_mm2;
 use throat::throat;
 use voxels::walled;
 
-/// Area of the narrowest passage [mm²], zero where there is no way through; nothing where the annulus has no plane, or leaflets do
-/// not hang from it all round, so that nothing parts atrium and ventricle beside them.
-pub(super) fn passage_mm2(model: &Model, s: &Surface) -> Option<f64> {
+/// Area of the narrowest passage between atrium and ventricle in the given positions, shape `[vertex]`, between the surfaces of the
+/// tissue [mm²]; zero where there is no way through. Nothing where the annulus has no plane, or leaflets do not hang from it all round,
+/// so that nothing parts both sides beside them.
+///
+/// Slits have less of it than of [`OrificeMeasures::area_mm2`](super::OrificeMeasures), which is between middle surfaces, by their
+/// length times the thickness.
+pub fn passage_mm2(model: &Model, positions_mm: &[Vec3]) -> Option<f64> {
+    let s = &surface(model, usable_positions(model, positions_mm));
     let plane = plane_of(model, s.positions_mm)?;
     let annulus = &model.annulus;
     let is_joined = |i: usize| s.edge(annulus[i], annulus[(i + 1) % annulus.len()]).is_some();

@@ -75,33 +75,23 @@ fn leads_through(voxels: &Voxels) -> bool {
 /// How many steps from cube to cube each is from tissue or the sides of the space, zero for those. Above the highest and below the
 /// lowest layer space goes on.
 fn depths(voxels: &Voxels) -> Vec<u16> {
-    let mut depth: Vec<u16> = voxels
-        .free
-        .iter()
-        .map(|&free| if free { u16::MAX } else { 0 })
-        .collect();
     let layers = voxels.bottom().start..voxels.top().end;
-    let borders = |&cube: &u32| {
-        let is_wall = |next: &usize| layers.contains(next) && !voxels.free[*next];
-        voxels.free[cube as usize] && voxels.neighbours(cube as usize).iter().any(is_wall)
+    let depth_of = |(cube, &free): (usize, &bool)| match free || !layers.contains(&cube) {
+        true => u16::MAX,
+        false => 0,
     };
-    let mut front: Vec<u32> = (0..depth.len() as u32).filter(borders).collect();
-    for &cube in &front {
-        depth[cube as usize] = 1;
+    let mut depth: Vec<u16> = voxels.free.iter().enumerate().map(depth_of).collect();
+    let strides = voxels.strides();
+    for cube in layers.clone() {
+        let nearest = strides.iter().map(|stride| depth[cube - stride]).min();
+        depth[cube] = depth[cube].min(nearest.unwrap_or(0).saturating_add(1));
     }
-    let mut farther = Vec::new();
-    let mut steps = 1;
-    while !front.is_empty() {
-        steps += 1;
-        for cube in front.drain(..) {
-            for next in voxels.neighbours(cube as usize) {
-                if depth[next] == u16::MAX {
-                    depth[next] = steps;
-                    farther.push(next as u32);
-                }
-            }
-        }
-        std::mem::swap(&mut front, &mut farther);
+    for cube in layers.rev() {
+        let nearest = strides.iter().map(|stride| depth[cube + stride]).min();
+        depth[cube] = depth[cube].min(nearest.unwrap_or(0).saturating_add(1));
+    }
+    for (depth, &free) in depth.iter_mut().zip(&voxels.free) {
+        *depth *= u16::from(free);
     }
     depth
 }

@@ -124,24 +124,77 @@ impl Walls {
             let count = voxels.counts[axis] as f64;
             low[axis].floor().clamp(0.0, count) as usize..high[axis].ceil().clamp(0.0, count) as usize
         });
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
+        let triangle = Triangle::new(corners);
         let [_, row, layer] = voxels.strides();
         for z in zs {
             for y in ys.clone() {
                 let start = y * row + z * layer;
                 let middle = Vec3::new(0.5, y as f64 + 0.5, z as f64 + 0.5) * edge_mm + *corner;
-                let height_mm = normal.dot(&(middle - a));
                 for x in xs.clone() {
-                    let along_mm = x as f64 * edge_mm;
-                    // Most are far from the plane of the triangle, or walled by another.
-                    if (height_mm + normal.x * along_mm).abs() < reach_mm
-                        && voxels.free[start + x]
-                        && point_triangle(middle + Vec3::new(along_mm, 0.0, 0.0), corners) < reach_mm
-                    {
-                        voxels.free[start + x] = false;
-                    }
+                    let free = &mut voxels.free[start + x];
+                    let p = middle + Vec3::new(x as f64 * edge_mm, 0.0, 0.0);
+                    *free = *free && triangle.distance_squared_mm2(&p) >= reach_mm * reach_mm;
                 }
             }
+        }
+    }
+}
+
+/// A triangle whose distance is asked for many times, and need not be right to the last digits.
+struct Triangle {
+    corners: [Vec3; 3],
+    /// Of length one; none of a triangle without area.
+    normal: Option<Vec3>,
+    sides: [Side; 3],
+}
+
+struct Side {
+    start: Vec3,
+    /// Of length one.
+    along: Vec3,
+    length_mm: f64,
+    /// In the plane of the triangle, away from it.
+    outwards: Vec3,
+}
+
+impl Triangle {
+    fn new(corners: [Vec3; 3]) -> Self {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(&(c - a)).try_normalize(f64::MIN_POSITIVE);
+        let side = |from: Vec3, to: Vec3| {
+            let length_mm = (to - from).norm();
+            let along = (to - from) / length_mm.max(f64::MIN_POSITIVE);
+            Side {
+                start: from,
+                along,
+                length_mm,
+                outwards: along.cross(&normal.unwrap_or_default()),
+            }
+        };
+        Self {
+            corners,
+            normal,
+            sides: [side(a, b), side(b, c), side(c, a)],
+        }
+    }
+
+    /// The nearest point of a triangle is on a side that one is beyond, or straight below.
+    #[inline]
+    fn distance_squared_mm2(&self, p: &Vec3) -> f64 {
+        let Some(normal) = self.normal else {
+            return point_triangle(*p, self.corners).powi(2);
+        };
+        let mut nearest = f64::INFINITY;
+        for side in &self.sides {
+            let way = p - side.start;
+            if way.dot(&side.outwards) > 0.0 {
+                let along_mm = way.dot(&side.along).clamp(0.0, side.length_mm);
+                nearest = nearest.min((way - side.along * along_mm).norm_squared());
+            }
+        }
+        match nearest < f64::INFINITY {
+            true => nearest,
+            false => normal.dot(&(p - self.corners[0])).powi(2),
         }
     }
 }
