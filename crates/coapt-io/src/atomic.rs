@@ -238,6 +238,12 @@ pub fn make_folder(folder: &Path) -> std::result::Result<(), Fault> {
     if folder.exists() && !folder.is_dir() {
         return Err(file_fault(folder, &"is a file; expected a folder to write to"));
     }
+    if folder.is_symlink() && !folder.exists() {
+        return Err(file_fault(
+            folder,
+            &"is a link that leads nowhere; expected a folder to write to",
+        ));
+    }
     // Held from before the folder exists: who halts must know of it.
     let mut register = register();
     let all = folder.ancestors().filter(|above| !above.as_os_str().is_empty());

@@ -314,3 +314,18 @@ fn a_file_in_place_of_a_folder_is_told() {
     );
     assert_eq!(std::fs::read_to_string(file).unwrap(), "mine");
 }
+
+#[cfg(unix)]
+#[test]
+fn a_link_that_leads_nowhere_is_told() {
+    let folder = Folder::new("link-for-folder");
+    let link = folder.path("loop");
+    std::os::unix::fs::symlink(&link, &link).unwrap();
+    let output = coapt(&["closure", "healthy", "--out", &link]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        stderr(&output).contains("loop is a link that leads nowhere; expected a folder to write to"),
+        "{}",
+        stderr(&output)
+    );
+}

@@ -3,6 +3,7 @@
 //! All measures are pure functions of the model and the positions. They never look at how the positions were
 //! found, so that an imaged closed valve can be measured like a computed one.
 
+pub mod agreement;
 pub mod annulus;
 pub mod coaptation;
 pub mod compare;
@@ -40,6 +41,7 @@ use serde::{Deserialize, Serialize};
 use crate::Vec3;
 use crate::model::Model;
 
+pub use agreement::Agreement;
 pub use annulus::AnnulusMeasures;
 pub use coaptation::CoaptationMeasures;
 pub use diastole::{DiastolicOrifice, diastolic_orifice};
@@ -47,7 +49,7 @@ pub use forces::{ChordGroupMeasures, ChordMeasures, PapillaryMeasures, SutureMea
 pub use gap::{gap_mm, in_contact};
 pub use leaflet::{LeafletMeasures, vertex_strain};
 pub use leaflet_map::{LeafletMap, leaflet_map};
-pub use orifice::{Agreement, OrificeMeasures};
+pub use orifice::OrificeMeasures;
 pub use passage::passage_mm2;
 pub use slack::{SLACK_BELOW_N, SlackNeochord, slack_neochordae};
 pub use statistics::DistanceStatistics;

@@ -262,39 +262,6 @@ fn holes(stretches: &[Stretch]) -> Vec<Vec<usize>> {
     found
 }
 
-/// What margins and passage say of each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Agreement {
-    /// As much as slits leave room for, or there is only one of them.
-    Fair,
-    /// There is a way through where margins have hardly a hole: they missed it.
-    MarginsMiss,
-    /// Margins have several times as much as can pass: they are far apart where something below them closes.
-    MarginsExceed,
-}
-
-/// What is missed by chance, in cubes or between vertices [mm²], our choice: of eleven shapes of a flail valve at four meshes, those
-/// whose margins bound what can be seen differ by less the wrong way round.
-const MISSED_MM2: f64 = 2.0;
-/// A slit between middle surfaces, over what is left between the surfaces of the tissue [1], our choice: 3.4 in the dilated valve,
-/// where the gap is hardly wider than the tissue is thick.
-const MOST_OF_SLITS: f64 = 4.5;
-/// Orifices below this differ by chance alone [mm²], as in the ranking of plans.
-const SMALL_MM2: f64 = 8.0;
-
-impl OrificeMeasures {
-    /// Whether margins and passage agree on what is open.
-    pub fn agreement(&self) -> Agreement {
-        match self.passage_mm2 {
-            Some(passage_mm2) if passage_mm2 > self.area_mm2 + MISSED_MM2 => Agreement::MarginsMiss,
-            Some(passage_mm2) if self.area_mm2 > SMALL_MM2.max(MOST_OF_SLITS * passage_mm2) => {
-                Agreement::MarginsExceed
-            }
-            _ => Agreement::Fair,
-        }
-    }
-}
-
 /// How wide a hole gapes [mm], at most so much: see [`OrificeMeasures::max_gap_mm`].
 fn width(rim: &[&Stretch], most_mm: f64) -> f64 {
     let points = || {

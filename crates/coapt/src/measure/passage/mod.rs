@@ -28,7 +28,7 @@ use voxels::walled;
 /// so that nothing parts both sides beside them.
 ///
 /// Slits have less of it than of [`OrificeMeasures::area_mm2`](super::OrificeMeasures), which is between middle surfaces, by their
-/// length times the thickness.
+/// length times the thickness. Tissue so thin that it would take more than two million cubes counts as thicker.
 pub fn passage_mm2(model: &Model, positions_mm: &[Vec3]) -> Option<f64> {
     let s = &surface(model, usable_positions(model, positions_mm));
     let plane = plane_of(model, s.positions_mm)?;

@@ -145,10 +145,10 @@ struct Triangle {
     corners: [Vec3; 3],
     /// Of length one; none of a triangle without area.
     normal: Option<Vec3>,
-    sides: [Side; 3],
+    sides: [TriangleSide; 3],
 }
 
-struct Side {
+struct TriangleSide {
     start: Vec3,
     /// Of length one.
     along: Vec3,
@@ -164,7 +164,7 @@ impl Triangle {
         let side = |from: Vec3, to: Vec3| {
             let length_mm = (to - from).norm();
             let along = (to - from) / length_mm.max(f64::MIN_POSITIVE);
-            Side {
+            TriangleSide {
                 start: from,
                 along,
                 length_mm,
