@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -412,3 +413,21 @@ def test_no_shape_brings_it_down(moved, which):
         return
     closed = valve.close(settings=coapt.Settings(iteration_limit=30))
     assert np.isfinite(closed.positions_mm).all()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        (lambda valve: valve.close(settings=3), "settings is 3; expected a coapt.Settings"),
+        (lambda valve: valve.close(start=3), "start is 3; expected a coapt.Closed"),
+        (lambda valve: valve.close(pressure_mmhg="100"), "pressure_mmhg is '100'; expected a number [mmHg]"),
+        (lambda valve: valve.with_pressure(None), "pressure_mmhg is None; expected a number [mmHg]"),
+        (lambda valve: valve.with_settings(None), "settings is None; expected a coapt.Settings"),
+        (lambda valve: valve.with_contact(0.5), "contact is 0.5; expected a coapt.Contact"),
+        (lambda valve: coapt.Valve([3]), "leaflets[0] is 3; expected a coapt.Leaflet"),
+        (lambda valve: coapt.Valve(3), "leaflets is 3; expected a sequence"),
+    ],
+)
+def test_arguments_of_a_wrong_type_are_told_by_name(wrong, told):
+    with pytest.raises(TypeError, match="^" + re.escape(told)):
+        wrong(coapt.generate("healthy", faces=160))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from reprlib import Repr
-from typing import TypeVar
+from typing import SupportsFloat, TypeVar
 
 Kind = TypeVar("Kind")
 
@@ -11,6 +12,8 @@ Kind = TypeVar("Kind")
 A_VALVE = 'a coapt.Valve, such as coapt.generate("healthy")'
 #: A closed valve, as told where there is none.
 A_CLOSED = "a coapt.Closed, such as valve.close()"
+#: A pressure, as told where there is none.
+A_PRESSURE = "a number [mmHg], such as 100.0"
 
 # Of arrays and long lists, enough to know them again.
 _short = Repr()
@@ -35,6 +38,32 @@ def of_type(kind: type[Kind], name: str, given: object, expected: str) -> Kind:
     if not isinstance(given, kind):
         raise wrong_type(name, given, expected)
     return given
+
+
+def each_of_type(kind: type[Kind], name: str, given: Iterable[object], expected: str) -> list[Kind]:
+    """The items of an argument, each known to be of its type.
+
+    Raises
+    ------
+    TypeError
+        Anything else, with its place: ``leaflets[1] is 3; expected a coapt.Leaflet``.
+    """
+    if not isinstance(given, Iterable):
+        raise wrong_type(name, given, f"a sequence, each {expected}")
+    return [of_type(kind, f"{name}[{number}]", item, expected) for number, item in enumerate(given)]
+
+
+def number(name: str, given: object, expected: str) -> float:
+    """A number, NumPy's among them.
+
+    Raises
+    ------
+    TypeError
+        Anything else, text and truth among them.
+    """
+    if isinstance(given, (str, bool)) or not isinstance(given, SupportsFloat):
+        raise wrong_type(name, given, expected)
+    return float(given)
 
 
 def from_least(name: str, given: int, least: int) -> int:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from coapt._arrays import FloatArray, IndexArray
+from coapt._given import wrong_type
 from coapt._meshes import LineArrays, SurfaceArrays, annulus_marks, chord_groups_of, closed_arrays, no_segments, no_triangles
 from coapt._meshes import leaflets_of as leaflets_of_arrays
 from coapt._optional import needed
@@ -67,6 +68,8 @@ def leaflets_of(given: pyvista.PolyData | Mapping[str, pyvista.PolyData]) -> lis
     """Leaflets of meshes by name, or of one mesh whose cells say which they belong to."""
     if isinstance(given, Mapping):
         return leaflets_of_arrays({name: _surface(name, mesh) for name, mesh in given.items()})
+    if not hasattr(given, "is_all_triangles"):
+        raise wrong_type("leaflets", given, "a PyVista PolyData, or one for each name")
     return leaflets_of_arrays(_surface("leaflets", given))
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal, cast, final
 import coapt._coapt as _core
 from coapt._arrays import FloatArray, IndexArray
 from coapt._errors import Fault, fault_of
-from coapt._given import A_VALVE, counted, of_type, wrong_type
+from coapt._given import A_CLOSED, A_PRESSURE, A_VALVE, counted, each_of_type, number, of_type, wrong_type
 from coapt._optional import needed
 from coapt._parts import CHORD_KEYS, ChordGroup, Leaflet, PapillaryMuscle, keys_of
 from coapt._plain import Json, PlainData, Value, natives_of_repairs
@@ -85,6 +85,9 @@ class Valve:
         settings: Settings | None = None,
         weld: Weld | None = None,
     ) -> None:
+        leaflets = each_of_type(Leaflet, "leaflets", leaflets, "a coapt.Leaflet")
+        chordae = each_of_type(ChordGroup, "chordae", chordae, "a coapt.ChordGroup")
+        papillary = each_of_type(PapillaryMuscle, "papillary", papillary, "a coapt.PapillaryMuscle")
         scene: dict[str, Value | None] = {
             "schema_version": SCHEMA_VERSION,
             "name": name,
@@ -206,6 +209,7 @@ class Valve:
         InputError
             A pressure that no scene may have.
         """
+        pressure_mmhg = number("pressure_mmhg", pressure_mmhg, A_PRESSURE)
         return Valve._of(self._native.altered(pressure_mmhg, {}, {}))
 
     def with_settings(self, settings: Settings) -> Valve:
@@ -216,7 +220,8 @@ class Valve:
         InputError
             Settings that no scene may have.
         """
-        return Valve._of(self._native.altered(None, settings.to_dict(), {}))
+        keys = of_type(Settings, "settings", settings, "a coapt.Settings").to_dict()
+        return Valve._of(self._native.altered(None, keys, {}))
 
     def with_contact(self, contact: Contact) -> Valve:
         """The same valve with another contact; what is left out of it stays.
@@ -226,7 +231,8 @@ class Valve:
         InputError
             A contact that no scene may have.
         """
-        return Valve._of(self._native.altered(None, {}, contact.to_dict()))
+        keys = of_type(Contact, "contact", contact, "a coapt.Contact").to_dict()
+        return Valve._of(self._native.altered(None, {}, keys))
 
     def close(
         self,
@@ -261,10 +267,14 @@ class Valve:
         """
         from coapt._closed import Closed
 
-        made = self._native
-        if pressure_mmhg is not None or settings is not None:
-            made = made.altered(pressure_mmhg, {} if settings is None else settings.to_dict(), {})
-        return Closed._of(made.close(None if start is None else start.positions_mm))
+        made = self
+        if pressure_mmhg is not None:
+            made = made.with_pressure(pressure_mmhg)
+        if settings is not None:
+            made = made.with_settings(settings)
+        if start is None:
+            return Closed._of(made._native.close(None))
+        return Closed._of(made._native.close(of_type(Closed, "start", start, A_CLOSED).positions_mm))
 
     def interactive(self) -> Live:
         """Closes the valve, to be edited then as by a slider: see :class:`coapt.Live`."""

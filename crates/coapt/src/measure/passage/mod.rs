@@ -5,9 +5,9 @@
 //! evenly with what opens a valve (`VALIDATION.md`). That it is found in cubes of half a millimetre costs some 2 mm², in steps: it has
 //! no rate with a parameter.
 //!
-//! * [`voxels`]: the space around the valve in cubes, those of tissue walled.
-//! * [`throat`]: whether there is a way through, and where about it is narrowest.
-//! * [`minimal_cut`]: the smallest surface near there.
+//! * `voxels`: the space around the valve in cubes, those of tissue walled.
+//! * `throat`: whether there is a way through, and where about it is narrowest.
+//! * `minimal_cut`: the smallest surface near there.
 
 mod minimal_cut;
 mod throat;
