@@ -26,7 +26,7 @@ pub struct OrificeMeasures {
     /// Anatomic regurgitant orifice area [mm²]: sum over the holes of the smallest triangulated surface that spans
     /// the hole's rim.
     pub area_mm2: f64,
-    /// The [narrowest passage](super::passage_mm2) [mm²], found without regard to margins. Absent where it was not asked for or leaflets do
+    /// The narrowest passage [mm²], see `passage_mm2`, found without regard to margins. Absent where it was not asked for or leaflets do
     /// not hang from the annulus all round.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub passage_mm2: Option<f64>,

@@ -27,7 +27,7 @@ use voxels::walled;
 /// tissue [mm²]; zero where there is no way through. Nothing where the annulus has no plane, or leaflets do not hang from it all round,
 /// so that nothing parts both sides beside them.
 ///
-/// Slits have less of it than of [`OrificeMeasures::area_mm2`](super::OrificeMeasures), which is between middle surfaces, by their
+/// Slits have less of it than of `OrificeMeasures::area_mm2`, which is between middle surfaces, by their
 /// length times the thickness. Tissue so thin that it would take more than two million cubes counts as thicker.
 pub fn passage_mm2(model: &Model, positions_mm: &[Vec3]) -> Option<f64> {
     let s = &surface(model, usable_positions(model, positions_mm));
