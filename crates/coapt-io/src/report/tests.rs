@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use coapt::measure::OrificeMeasures;
 use coapt::mesh::parametric::{ValveParameters, generate};
 use coapt::model::Model;
 use coapt::relax::{Status, relax};
@@ -187,4 +188,21 @@ fn the_surfaces_hold_what_is_known_at_every_point() {
 
 fn folder(name: &str) -> PathBuf {
     std::env::temp_dir().join(format!("coapt-report-{name}-{}", std::process::id()))
+}
+
+/// Both ways in which margins and passage may not fit together have their words, and what fits has none.
+#[test]
+fn an_orifice_in_doubt_is_told() {
+    let doubt = |area_mm2: f64, passage_mm2: f64| {
+        super::orifice_doubt(&OrificeMeasures {
+            area_mm2,
+            passage_mm2: Some(passage_mm2),
+            ..OrificeMeasures::default()
+        })
+    };
+    assert_eq!(doubt(20.6, 6.0), None);
+    let missed = doubt(5.8, 14.6).unwrap();
+    assert!(missed.contains("14.6 mm² can pass between the surfaces, of which the margins show 5.8"));
+    let exceeds = doubt(22.4, 0.0).unwrap();
+    assert!(exceeds.contains("the margins bound 22.4 mm², and 0.0 can pass"));
 }
