@@ -109,8 +109,8 @@ pub fn measure(model: &Model, positions_mm: &[Vec3], nodal_reaction_n: &[Vec3]) 
     }
 }
 
-/// The same with the narrowest passage ([`passage_mm2`]), which takes about as long again where a valve is sealed, three times as long
-/// where it leaks.
+/// The same with the narrowest passage ([`passage_mm2`]), which takes once or twice as long again where a valve of 650 triangles is
+/// sealed, four to seven times where it leaks.
 pub fn measure_with_passage(model: &Model, positions_mm: &[Vec3], nodal_reaction_n: &[Vec3]) -> Measures {
     let mut measures = measure(model, positions_mm, nodal_reaction_n);
     measures.orifice.passage_mm2 = passage_mm2(model, positions_mm);

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{Outcome, Refusal, Settings, Start, Watch, apply_all, closed};
 use crate::Vec3;
 use crate::measure::Measures;
+use crate::measure::agreement::SMALL_MM2;
 use crate::measure::statistics::percentile;
 use crate::mesh::polyline;
 use crate::model::Model;
@@ -85,8 +86,8 @@ const LARGEST_MM: f64 = 10.0;
 /// Harmonics of the annulus' error along its length, our choice: shifts, tilts, widths and the saddle's height are wrong, single
 /// points are not.
 const HARMONICS: u32 = 3;
-/// Orifices below this are closed within the noise of meshes and roads [mm²] (README).
-pub const SEALED_BELOW_MM2: f64 = 8.0;
+/// Valves whose orifice is below this count as sealed [mm²].
+pub const SEALED_BELOW_MM2: f64 = SMALL_MM2;
 
 /// The closed valves of an ensemble.
 #[derive(Clone, Debug, PartialEq)]

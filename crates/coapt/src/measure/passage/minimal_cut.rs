@@ -8,11 +8,12 @@
 use super::throat::Side;
 use super::voxels::Voxels;
 
-/// Cubes on either side of the throat in which the surface is sought.
+/// Cubes on either side of the throat in which the surface is sought, our choice: with 5 areas of twelve valves are within 0.9 mm².
 const BAND: usize = 4;
-/// The band is moved so often at most; once or twice is the rule.
+/// The band is moved so often at most, our choice.
 const MOVES: usize = 12;
-/// Iterations to see where the surface goes, and to measure it: twice as many change areas by less than 1 %.
+/// Iterations to see where the surface goes, and to measure it: twice as many of the first change areas of twelve valves by 0.1 mm² at
+/// most; without bands, six times 250 changed none of four by more than 0.2 mm².
 const ITERATIONS: usize = 60;
 const LAST_ITERATIONS: usize = 120;
 /// A passage of fewer faces of cubes is none: whether single cubes are free is chance. Our choice, 1 mm² by default.

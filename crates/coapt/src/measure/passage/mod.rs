@@ -2,7 +2,7 @@
 //!
 //! Leaflets are as thick as contact makes them, so that what touches is closed; outside the annulus there is a wall. Of all
 //! surfaces that span what is left, the smallest is what blood must pass. It needs neither margins nor a way to pair them, and grows
-//! evenly with what opens a valve (`VALIDATION.md`). That it is found in cubes of half a millimetre costs some 2 mm², in steps: it has
+//! evenly with what opens a valve (`VALIDATION.md`). That it is found in cubes of half a millimetre costs 2 to 4 mm², in steps: it has
 //! no rate with a parameter.
 //!
 //! * `voxels`: the space around the valve in cubes, those of tissue walled.
