@@ -19,7 +19,7 @@ pub(super) struct Called {
 enum Word {
     /// Says by itself what it is: `A2P2`.
     Plain(String),
-    /// Says so beside its kind, unless there are several: `28`.
+    /// Needs its key, as `neochord length_mm 22`; but for the size of a ring among no other numbers.
     Number(String),
     /// Needs its key.
     Switch(bool),
@@ -135,13 +135,13 @@ impl Names {
             .iter()
             .filter(|(_, word)| matches!(word, Word::Number(_)))
             .count();
-        let is_ambiguous = numbers > 1 || self.many_numbers.contains(&called.kind);
+        let has_several = numbers > 1 || self.many_numbers.contains(&called.kind);
         let mut words = vec![called.kind.clone()];
         for (key, word) in told {
             words.push(match word {
                 Word::Plain(text) => text.clone(),
-                Word::Number(text) if is_ambiguous => format!("{key} {text}"),
-                Word::Number(text) => text.clone(),
+                Word::Number(text) if key == SIZE && !has_several => text.clone(),
+                Word::Number(text) => format!("{key} {text}"),
                 Word::Switch(true) => key.clone(),
                 Word::Switch(false) => format!("not {key}"),
                 Word::Other(text) if text.len() <= LONGEST_LIST => text.clone(),
@@ -157,6 +157,9 @@ fn all_keys(called: &Called) -> BTreeSet<(String, String)> {
     let keys = called.values.iter();
     keys.map(|(key, _)| (called.kind.clone(), key.clone())).collect()
 }
+
+/// What a ring goes by, as on its box; a bare number of any other key could be a place, a length or a count.
+const SIZE: &str = "size_mm";
 
 /// A list of more letters, such as a curve, is no part of a name; a point is.
 const LONGEST_LIST: usize = 30;

@@ -185,6 +185,37 @@ fn an_only_repair_of_its_kind_is_called_by_all_of_it() {
     );
 }
 
+/// What 3.5 or 2 is, a length or a count, nobody could tell; a ring goes by its size.
+#[test]
+fn only_the_size_of_a_ring_stands_without_its_key() {
+    let named = |repair: &str| -> Vec<String> {
+        let made = made(&format!("[[alternative]]\n[[alternative.repair]]\n{repair}\n"));
+        names(&made).into_iter().map(str::to_owned).collect()
+    };
+    for (repair, expected) in [
+        (
+            "kind = \"clip\"\nsite = \"A2P2\"\ngrasp_anterior_mm = [3.5, 5]",
+            ["clip grasp_anterior_mm 3.5", "clip grasp_anterior_mm 5"],
+        ),
+        (
+            "kind = \"neochord\"\nleaflet = \"posterior\"\nsite = \"A2P2\"\nstrands = [2, 4]",
+            ["neochord strands 2", "neochord strands 4"],
+        ),
+        (
+            "kind = \"ring\"\nfamily = \"saddle\"\nsize_mm = 30\nsaddle_height_mm = [3, 6]",
+            ["ring saddle_height_mm 3", "ring saddle_height_mm 6"],
+        ),
+        (
+            "kind = \"ring\"\nfamily = \"saddle\"\nsize_mm = [28, 30]",
+            ["ring 28", "ring 30"],
+        ),
+    ] {
+        assert_eq!(named(repair), expected, "{repair}");
+    }
+    let lone = "kind = \"neochord\"\nleaflet = \"posterior\"\nsite = \"A2P2\"\nlength_mm = 22";
+    assert_eq!(named(lone), ["neochord posterior length_mm 22 A2P2"]);
+}
+
 /// A curve is a list by nature: one ring, not four.
 #[test]
 fn points_and_curves_are_no_lists_of_values() {
