@@ -2,6 +2,7 @@
 
 use coapt::mesh::parametric::Preset;
 use coapt::model::ChordKind;
+use coapt::repair::site::on_both_leaflets;
 use coapt::scene::{Alfieri, Clip, ClipModel, ClipSize, Repair, Site};
 use rayon::prelude::*;
 
@@ -297,7 +298,7 @@ fn clips_that_cannot_be_are_refused() {
     assert_told(
         &refused(&clipped, &Repair::Clip(beside)),
         "clip.position",
-        "but `clip A2P2` holds it from",
+        "where the earlier `clip A2P2` holds",
     );
     let seam = Alfieri {
         site: Some(Site::A2P2),
@@ -306,13 +307,71 @@ fn clips_that_cannot_be_are_refused() {
     assert_told(
         &refused(&clipped, &Repair::Alfieri(seam)),
         "alfieri.site",
-        "but `clip A2P2` holds it from",
+        "where the earlier `clip A2P2` holds",
     );
     let apart = Clip {
         position: Some(0.75),
         ..Clip::default()
     };
     done(&clipped, &Repair::Clip(apart));
+}
+
+/// Who reads the refusal learns which of the two is how wide, and a clip as far off as it asks is taken.
+#[test]
+fn an_overlap_tells_how_far_apart_middles_must_be() {
+    let model = preset(Preset::Healthy);
+    let clipped = repaired(&model, &[Repair::Clip(at(Site::A2P2))]);
+    let clip_at = |position: f64| {
+        Repair::Clip(Clip {
+            position: Some(position),
+            ..Clip::default()
+        })
+    };
+    let seam = Alfieri {
+        position: Some(0.55),
+        length_mm: 7.0,
+        ..Alfieri::default()
+    };
+    for (deed, place, what, width_mm) in [
+        (clip_at(0.55), "clip.position", "the clip", 4.0),
+        (Repair::Alfieri(seam), "alfieri.position", "the seam", 7.0),
+    ] {
+        let told = refused(&clipped, &deed);
+        assert_told(
+            &told,
+            place,
+            &format!("{what} would take {width_mm:.1} mm of the "),
+        );
+        let words = &told[0].message;
+        let number = |before: &str, after: &str| -> f64 {
+            let from = words.split(before).nth(1).unwrap_or_else(|| panic!("{words}"));
+            from.split(after).next().unwrap().parse().unwrap()
+        };
+        let held_mm = number("`clip A2P2` holds ", " mm, from ");
+        let apart_mm = number("their middles are ", " mm apart along it");
+        let least_mm = number("expected ", " mm at least");
+        // Four millimetres wide, and as its arms reach in where the margin bends, it holds up to half as much again. Words have tenths.
+        assert!((3.9..6.5).contains(&held_mm), "{words}");
+        assert!(
+            (least_mm - 0.5 * (width_mm + held_mm)).abs() < 0.16 && apart_mm < least_mm,
+            "{words}"
+        );
+        let site = on_both_leaflets(&model, Some(Site::A2P2), None, "test").unwrap();
+        let margin = site.margins.iter().find(|margin| {
+            words.contains(&format!(
+                "the {} margin",
+                model.leaflets[margin.leaflet as usize].name
+            ))
+        });
+        let margin_mm = margin.unwrap().length_mm();
+        // The earlier clip's middle is within a tenth of its site.
+        assert!((apart_mm - 0.05 * margin_mm).abs() < 0.2, "{words}");
+        if what == "the clip" {
+            done(&clipped, &clip_at(0.55 + (least_mm - apart_mm) / margin_mm));
+            let nearer = clip_at(0.55 + (least_mm - apart_mm - 0.3) / margin_mm);
+            assert_told(&refused(&clipped, &nearer), place, "would take");
+        }
+    }
 }
 
 #[test]

@@ -53,7 +53,7 @@ pub fn stitch(model: &Model, stitches: &Alfieri) -> Result<Repaired, Vec<Fault>>
     };
     let length_mm = stitches.length_mm;
     refuse_beyond_commissure(&site, length_mm, "the seam", place)?;
-    refuse_overlap(model, &site.margins, site.position, length_mm, place).map_err(|fault| vec![fault])?;
+    refuse_overlap(model, &site, length_mm, "the seam", place).map_err(|fault| vec![fault])?;
     let steps = (length_mm / SPACING_MM).ceil();
     let mut threads = Vec::new();
     for step in 0..=steps as u32 {

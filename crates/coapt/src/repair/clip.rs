@@ -61,7 +61,7 @@ pub fn clip(model: &Model, clip: &Clip) -> Result<Repaired, Vec<Fault>> {
         "clip.position"
     };
     refuse_beyond_commissure(&site, width_mm, "the clip", place)?;
-    refuse_overlap(model, &site.margins, site.position, width_mm, place).map_err(|fault| vec![fault])?;
+    refuse_overlap(model, &site, width_mm, "the clip", place).map_err(|fault| vec![fault])?;
     let lines = [0, 1].map(|side| lines(&site.margins[side], site.position, width_mm, clip.angle_deg));
     let height_mm = lines.each_ref().map(|lines| lowest_mm(lines));
     refuse_too_long_a_grasp(model, &site, grasp_mm, height_mm)?;

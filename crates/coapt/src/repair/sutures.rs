@@ -5,6 +5,7 @@
 
 use super::leaflet::LeafletMargin;
 use super::rods::{Rod, place_mm, string};
+use super::site::SiteMargins;
 use crate::Vec3;
 use crate::energy::chord::WeightedVertices;
 use crate::model::{ChordKind, Model};
@@ -78,47 +79,86 @@ pub fn sew(model: &mut Model, name: &str, stitches: Vec<Stitch>, stiffness_n_per
 }
 
 /// Refuses to sew where the leaflets are held together already: an earlier repair's sutures from leaflet to leaflet meet the
-/// stretch of `width_mm` about `position` of either margin.
+/// stretch of `width_mm` about the site of either margin. `what` is how the message calls the new repair.
 ///
 /// # Errors
-/// The overlap, with `place`.
+/// The overlap, with `place`, on the margin where more is missing.
 pub fn refuse_overlap(
     model: &Model,
-    margins: &[LeafletMargin; 2],
-    position: f64,
+    site: &SiteMargins,
     width_mm: f64,
+    what: &str,
     place: &str,
 ) -> Result<(), Fault> {
     for (number, group) in model.chord_groups.iter().enumerate() {
         if group.kind != ChordKind::Suture {
             continue;
         }
-        for margin in margins {
-            let taken = stretch_mm(model, number, margin);
-            let middle = position * margin.length_mm();
-            let [from, to] = [middle - 0.5 * width_mm, middle + 0.5 * width_mm];
-            if let Some([first, last]) = taken
-                && from < last
-                && first < to
-            {
-                let share = |arc_mm: f64| arc_mm / margin.length_mm();
-                let message = format!(
-                    "it would take the margin from {:.3} to {:.3}, but `{}` holds it from {:.3} to {:.3}; expected sites that \
-                     do not overlap",
-                    share(from),
-                    share(to),
-                    group.name,
-                    share(first),
-                    share(last)
-                );
-                return Err(Fault::of_shape(place, message));
-            }
+        let overlaps = site.margins.iter().filter_map(|margin| {
+            let taken = stretch_mm(model, number, margin)?;
+            let middle = site.position * margin.length_mm();
+            let wanted = [middle - 0.5 * width_mm, middle + 0.5 * width_mm];
+            let leaflet = &model.leaflets[margin.leaflet as usize].name;
+            Overlap::of(leaflet, margin.length_mm(), [wanted, taken])
+        });
+        if let Some(overlap) = overlaps.max_by(|a, b| a.missing_share().total_cmp(&b.missing_share())) {
+            return Err(Fault::of_shape(place, overlap.words(what, &group.name)));
         }
     }
     Ok(())
 }
 
-/// The stretch of a leaflet's margin that a group of sutures to another leaflet holds [mm].
+/// Two stretches of one margin that overlap.
+struct Overlap<'a> {
+    /// Name of the leaflet.
+    leaflet: &'a str,
+    /// How long its margin is [mm].
+    margin_mm: f64,
+    /// From where to where along the margin, of the new repair and of the earlier one [mm].
+    stretches_mm: [[f64; 2]; 2],
+    /// How far apart their middles are [mm].
+    apart_mm: f64,
+    /// How far apart they would have to be [mm].
+    least_mm: f64,
+}
+
+impl<'a> Overlap<'a> {
+    fn of(leaflet: &'a str, margin_mm: f64, stretches_mm: [[f64; 2]; 2]) -> Option<Self> {
+        let [middle, other] = stretches_mm.map(|[from, to]| 0.5 * (from + to));
+        let apart_mm = (middle - other).abs();
+        let least_mm = stretches_mm.iter().map(|[from, to]| 0.5 * (to - from)).sum();
+        (apart_mm < least_mm).then_some(Self {
+            leaflet,
+            margin_mm,
+            stretches_mm,
+            apart_mm,
+            least_mm,
+        })
+    }
+
+    /// How much farther off the site would have to be, as share of the margin [1].
+    fn missing_share(&self) -> f64 {
+        (self.least_mm - self.apart_mm) / self.margin_mm
+    }
+
+    fn words(&self, what: &str, earlier: &str) -> String {
+        let [wanted_mm, taken_mm] = self.stretches_mm.map(|[from, to]| to - from);
+        let [wanted, taken] = self
+            .stretches_mm
+            .map(|[from, to]| format!("from {:.3} to {:.3}", from / self.margin_mm, to / self.margin_mm));
+        // Rounded away from each other, so that what is expected is never what is found.
+        let apart_mm = (10.0 * self.apart_mm).floor() / 10.0;
+        let least_mm = (10.0 * self.least_mm).ceil() / 10.0;
+        format!(
+            "{what} would take {wanted_mm:.1} mm of the {} margin, {wanted}, where the earlier `{earlier}` holds {taken_mm:.1} mm, \
+             {taken}: their middles are {apart_mm:.1} mm apart along it, expected {least_mm:.1} mm at least",
+            self.leaflet
+        )
+    }
+}
+
+/// The stretch of a leaflet's margin that a group of sutures to another leaflet holds [mm]: where the margin is nearest to each. Of a
+/// deep grip on a bent margin that is more than its width.
 fn stretch_mm(model: &Model, group: usize, margin: &LeafletMargin) -> Option<[f64; 2]> {
     let chords = &model.chords;
     let of_group = (0..chords.ends.len()).filter(|&segment| chords.group[segment] as usize == group);
