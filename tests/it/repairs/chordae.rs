@@ -3,7 +3,7 @@
 use coapt::Vec3;
 use coapt::mesh::parametric::Preset;
 use coapt::model::ChordKind;
-use coapt::repair::Report;
+use coapt::repair::{Repaired, Report};
 use coapt::scene::{
     AnnulusPlace, ChordPart, CloseCleft, CutChord, Neochord, RelocatePapillary, Repair, Rupture, Segment,
     Site, TransferChord,
@@ -280,4 +280,57 @@ fn repairs_are_combined() {
         (forth.sutures.len(), forth.chords.groups.len()),
         (1, back.chords.groups.len())
     );
+}
+
+/// A doubtful length is told with those that reach in this valve, which are those that a usual depth would give.
+#[test]
+fn a_doubted_strand_is_told_what_would_reach() {
+    let model = preset(Preset::Flail);
+    let to_p2 = |change: fn(&mut Neochord)| {
+        let mut neochord = Neochord {
+            site: Some(Site::A2P2),
+            strands: 1,
+            ..Neochord::to("posterior")
+        };
+        change(&mut neochord);
+        done(&model, &Repair::Neochord(neochord))
+    };
+    let length = |done: &Repaired| match &done.report {
+        Report::Neochord(report) => report.length_mm[0],
+        other => panic!("{other:?}"),
+    };
+    let usual = [
+        to_p2(|it| it.depth_mm = Some(6.0)),
+        to_p2(|it| it.depth_mm = Some(4.0)),
+    ];
+    let [shortest, longest] = usual.each_ref().map(length);
+    assert!(usual.iter().all(|done| done.warnings.is_empty()), "{usual:?}");
+    assert!(longest > shortest + 1.0, "{shortest} to {longest}");
+    let reaching = format!(
+        "; with {shortest:.1} to {longest:.1} mm from this tip the margin ends 4 to 6 mm below the closed annulus"
+    );
+    for (doubted, key) in [
+        (to_p2(|it| it.length_mm = Some(4.0)), "neochord.length_mm"),
+        (to_p2(|it| it.length_mm = Some(150.0)), "neochord.length_mm"),
+        (to_p2(|it| it.depth_mm = Some(-30.0)), "neochord.depth_mm"),
+    ] {
+        assert_told(&doubted.warnings, key, &reaching);
+        assert_eq!(doubted.warnings.len(), 1);
+    }
+    // A point of one's own has no share of the line of closure; how far it is from the tip can be told.
+    let point = Neochord {
+        point_mm: Some(middle_of_the_anterior_margin(&model)),
+        length_mm: Some(150.0),
+        strands: 1,
+        ..Neochord::to("anterior")
+    };
+    let doubted = done(&model, &Repair::Neochord(point));
+    let Report::Neochord(report) = &doubted.report else {
+        panic!("{:?}", doubted.report)
+    };
+    let away = format!(
+        "; in the open valve the place is {:.1} mm from this tip",
+        report.open_mm[0]
+    );
+    assert_told(&doubted.warnings, "neochord.length_mm", &away);
 }

@@ -8,7 +8,9 @@ use crate::model::{ChordKind, Insertion, Model};
 use crate::repair::{Repaired, Report};
 use crate::scene::{Fault, Neochord};
 
-/// How far below the annular plane the margin is to end if nobody says [mm]: 4 to 6 is usual, and the middle our choice.
+/// How far below the annular plane the margin usually ends [mm].
+const USUAL_DEPTHS_MM: [f64; 2] = [4.0, 6.0];
+/// How far it is to end if nobody says [mm]: their middle, our choice.
 const DEPTH_MM: f64 = 5.0;
 
 /// Diameter of the thread [mm]: CV-4, as usually quoted. Only the product with its modulus matters.
@@ -92,11 +94,12 @@ fn strung(model: &Model, neochord: &Neochord) -> Result<Repaired, Fault> {
         open_mm.push((model.rest_mm[tip.vertex as usize] - insertion.at_mm).norm());
         rods.push(rod(model, tip, insertion, length));
     }
-    let warnings = length_mm
-        .iter()
-        .copied()
-        .find(|length| !PLAUSIBLE_MM.contains(length))
-        .map(doubt);
+    let doubted = length_mm.iter().position(|length| !PLAUSIBLE_MM.contains(length));
+    let warnings = doubted.map(|strand| {
+        let share = insertions[strand].1;
+        let reaching_mm = share.and_then(|share| reaching_mm(model, tip, share, neochord.inset_mm));
+        doubt(neochord, [length_mm[strand], open_mm[strand]], reaching_mm)
+    });
     let name = match (neochord.site, neochord.position) {
         (Some(site), _) => format!("neochord {} {}", neochord.leaflet, site.name()),
         (None, Some(position)) => format!("neochord {} {position}", neochord.leaflet),
@@ -177,9 +180,31 @@ fn number_faults(neochord: &Neochord) -> Vec<Fault> {
     faults
 }
 
-fn doubt(length_mm: f64) -> Fault {
-    let message = format!("a strand is {length_mm:.1} mm long, expected about 14 to 24 mm");
-    Fault::warning("neochord.length_mm", message)
+/// What is doubted of a strand so long, which spans so much in the open valve; with the lengths that reach, where they can be told.
+fn doubt(neochord: &Neochord, [length_mm, open_mm]: [f64; 2], reaching_mm: Option<[f64; 2]>) -> Fault {
+    let here = match reaching_mm {
+        Some([shortest, longest]) => format!(
+            "with {shortest:.1} to {longest:.1} mm from this tip the margin ends {} to {} mm below the closed annulus, as is usual, \
+             by estimate",
+            USUAL_DEPTHS_MM[0], USUAL_DEPTHS_MM[1]
+        ),
+        None => format!("in the open valve the place is {open_mm:.1} mm from this tip"),
+    };
+    let key = match neochord.depth_mm {
+        Some(_) => "neochord.depth_mm",
+        None => "neochord.length_mm",
+    };
+    let message = format!("a strand is {length_mm:.1} mm long, expected about 14 to 24 mm; {here}");
+    Fault::warning(key, message)
+}
+
+/// The shortest and the longest strand with which the margin ends as far below the closed annulus as is usual [mm]; none for a valve
+/// whose line of closure cannot be foretold.
+fn reaching_mm(model: &Model, tip: Tip, share: f64, inset_mm: f64) -> Option<[f64; 2]> {
+    let [higher, lower] =
+        USUAL_DEPTHS_MM.map(|depth_mm| estimated_mm(model, tip, share, depth_mm - inset_mm).ok());
+    let (higher, lower) = (higher?, lower?);
+    Some([higher.min(lower), higher.max(lower)])
 }
 
 /// From where the tip is when the valve is closed to where the insertion is to be.
