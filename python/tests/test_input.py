@@ -205,8 +205,36 @@ def test_curves_may_be_arrays():
     circle = dome()[0][-8:]
     ring = coapt.Ring(curve_mm=circle, closed=True)
     assert ring == coapt.Ring(curve_mm=circle.tolist(), closed=True) and hash(ring)
-    with pytest.raises(coapt.InputError, match="curve_mm"):
-        coapt.Ring(curve_mm=circle[:, :2])
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (lambda: coapt.Ring(curve_mm=np.zeros((4, 2))), "ring.curve_mm has shape (4, 2); expected (n, 3)"),
+        (lambda: coapt.Ring(curve_mm=[[0.0, 0.0], [1.0, 1.0]]), "ring.curve_mm has shape (2, 2); expected (n, 3)"),
+        (lambda: coapt.Ring(curve_mm=np.zeros(3)), "ring.curve_mm has shape (3,); expected (n, 3)"),
+        (lambda: coapt.Ring(curve_mm=np.zeros((2, 2, 3))), "ring.curve_mm has shape (2, 2, 3); expected (n, 3)"),
+        (
+            lambda: coapt.Neochord(leaflet="anterior", length_mm=20, point_mm=np.zeros(2)),
+            "neochord.point_mm has shape (2,); expected (3,)",
+        ),
+        (lambda: coapt.RelocatePapillary(muscle="a", by_mm=[0, 0, 0, 0]), "relocate-papillary.by_mm has shape (4,); expected (3,)"),
+        # Of the right shape, or of none, it is the items that are wrong.
+        (lambda: coapt.Ring(curve_mm=[[0.0, 0.0, "a"]]), "expected a number"),
+        (lambda: coapt.Ring(curve_mm=[[0.0, 0.0, 0.0], [1.0, 1.0]]), "expected a list of length 3"),
+    ],
+)
+def test_points_and_curves_of_a_wrong_shape_are_told_with_it(make, told):
+    with pytest.raises(coapt.InputError) as caught:
+        make()
+    assert told in str(caught.value)
+
+
+def test_a_wrong_shape_is_told_beside_other_faults():
+    with pytest.raises(coapt.InputError) as caught:
+        coapt.Ring(family="sadle", curve_mm=np.zeros((4, 2)))  # type: ignore[arg-type]
+    assert {fault.place for fault in caught.value.faults} == {"ring.family", "ring.curve_mm"}
+    assert any(fault.expected == "(n, 3)" for fault in caught.value.faults)
 
 
 def test_curves_come_from_files(tmp_path):

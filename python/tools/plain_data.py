@@ -77,11 +77,12 @@ def module(about: str, schema: dict[str, dict], classes: list[tuple[str, dict]],
     types = [word for word in ("Curve", "PlainData", "RepairData", "Vector") if re.search(rf"\b{word}\b", body)]
     typing = [word for word in ("ClassVar", "Literal") if word in body] + (["TypeAlias", "Union"] if unions else [])
     exported = "".join(f'    "{name}",\n' for name in sorted(names))
-    sequence = "from collections.abc import Sequence\n" if "Sequence[" in body else ""
+    generic = [word for word in ("Mapping", "Sequence") if f"{word}[" in body]
+    collections = f"from collections.abc import {', '.join(generic)}\n" if generic else ""
     return (
         f'"""{about}\n\nWritten by python/tools/plain_data.py from the schemas under assets/schema.\n"""\n\n'
         "from __future__ import annotations\n\n"
-        f"{sequence}from dataclasses import dataclass\n"
+        f"{collections}from dataclasses import dataclass\n"
         + (f"from typing import {', '.join(typing)}\n" if typing else "")
         + f"\nfrom coapt._plain import {', '.join(types)}\n\n"
         f"__all__ = [\n{exported}]\n\n\n{body}{ends}"
@@ -108,6 +109,10 @@ def one_class(schema: dict[str, dict], name: str, it: dict) -> str:
     if lists:
         made = ", ".join(f'"{key}"' for key in lists) + ","
         lines += [f"    _LISTS: ClassVar[tuple[str, ...]] = ({made})"]
+    shapes = {key: SHAPES[kind] for key in lists if (kind := python_type(schema, properties[key])) in SHAPES}
+    if shapes and is_repair(schema, it):
+        made = ", ".join(f'"{key}": {shape}' for key, shape in shapes.items())
+        lines += [f"    _SHAPES: ClassVar[Mapping[str, tuple[int | None, ...]]] = {{{made}}}"]
     lines += [""]
     for key in order:
         kind = python_type(schema, properties[key])
@@ -119,6 +124,10 @@ def one_class(schema: dict[str, dict], name: str, it: dict) -> str:
 
 def is_repair(schema: dict[str, dict], it: dict) -> bool:
     return any(it is kind for kind in schema.get("Repair", {}).get("oneOf", []))
+
+
+SHAPES = {"Curve": "(None, 3)", "Vector": "(3,)"}
+"""Shapes of the types that hold coordinates; None is any length."""
 
 
 def is_list(python_type: str) -> bool:

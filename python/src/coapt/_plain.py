@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, ClassVar, TypeAlias, Union, cast
 
 import numpy as np
@@ -77,8 +77,24 @@ class RepairData(PlainData):
     __slots__ = ("_read",)
     _read: _core.Repair
 
+    #: Shapes of the points and curves among the lists; None is any length.
+    _SHAPES: ClassVar[Mapping[str, tuple[int | None, ...]]] = {}
+
     def _check(self) -> None:
-        object.__setattr__(self, "_read", _core.Repair(self.to_dict()))
+        try:
+            object.__setattr__(self, "_read", _core.Repair(self.to_dict()))
+        except InputError as error:
+            told = [self._with_shape(fault) for fault in error.faults]
+            raise InputError(told) from None
+
+    def _with_shape(self, fault: Fault) -> Fault:
+        """What the library tells of a list, whose type says little, with its shape where that is the fault."""
+        key = fault.place.rpartition(".")[2]
+        expected = self._SHAPES.get(key)
+        found = None if expected is None else _shape(getattr(self, key))
+        if expected is None or found is None or _fits(found, expected):
+            return fault
+        return replace(fault, message=f"has shape {_told(found)}; expected {_told(expected)}")
 
     @property
     def _native(self) -> _core.Repair:
@@ -107,6 +123,25 @@ def _frozen(value: object) -> object:
     if isinstance(value, Iterable) and not isinstance(value, str):
         return tuple(_frozen(item) for item in value)
     return value
+
+
+def _shape(value: object) -> tuple[int, ...] | None:
+    """The shape of a tuple of items, or of tuples as long as each other; None of what has none."""
+    if not isinstance(value, tuple):
+        return None
+    try:
+        return np.shape(cast("Sequence[float]", value))
+    except ValueError:
+        return None
+
+
+def _fits(found: tuple[int, ...], expected: tuple[int | None, ...]) -> bool:
+    return len(found) == len(expected) and all(of in (None, count) for count, of in zip(found, expected))
+
+
+def _told(shape: tuple[int | None, ...]) -> str:
+    """A shape as NumPy writes it, with n for any length."""
+    return str(tuple("n" if count is None else count for count in shape)).replace("'", "")
 
 
 def keys_of_repairs(given: Sequence[object]) -> list[dict[str, Value]]:

@@ -5,7 +5,7 @@ Written by python/tools/plain_data.py from the schemas under assets/schema.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias, Union
 
@@ -67,6 +67,7 @@ class Ring(RepairData):
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "ring")
     _LISTS: ClassVar[tuple[str, ...]] = ("curve_mm",)
+    _SHAPES: ClassVar[Mapping[str, tuple[int | None, ...]]] = {"curve_mm": (None, 3)}
 
     ap_mm: float | None = None
     attachment: Literal["arc-length", "nearest-point", "sutures"] | None = None
@@ -313,6 +314,7 @@ class Neochord(RepairData):
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "neochord")
     _LISTS: ClassVar[tuple[str, ...]] = ("point_mm",)
+    _SHAPES: ClassVar[Mapping[str, tuple[int | None, ...]]] = {"point_mm": (3,)}
 
     leaflet: str
     axial_stiffness_n: float | None = None
@@ -351,6 +353,7 @@ class CutChord(RepairData):
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "cut-chord")
     _LISTS: ClassVar[tuple[str, ...]] = ("near_mm",)
+    _SHAPES: ClassVar[Mapping[str, tuple[int | None, ...]]] = {"near_mm": (3,)}
 
     count: int | None = None
     group: str | None = None
@@ -393,6 +396,7 @@ class TransferChord(RepairData):
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "transfer-chord")
     _LISTS: ClassVar[tuple[str, ...]] = ("near_mm", "point_mm",)
+    _SHAPES: ClassVar[Mapping[str, tuple[int | None, ...]]] = {"near_mm": (3,), "point_mm": (3,)}
 
     near_mm: Vector
     group: str | None = None
@@ -459,6 +463,7 @@ class RelocatePapillary(RepairData):
 
     _TAG: ClassVar[tuple[str, str] | None] = ("kind", "relocate-papillary")
     _LISTS: ClassVar[tuple[str, ...]] = ("by_mm",)
+    _SHAPES: ClassVar[Mapping[str, tuple[int | None, ...]]] = {"by_mm": (3,)}
 
     muscle: str
     by_mm: Vector | None = None
