@@ -61,7 +61,8 @@ pub struct RingExtent {
     /// Anteroposterior diameter [mm]: the extent along that line, in the ring's best plane; of an open ring to where its anterior middle
     /// would be. Not a saddle's `ap_mm`: one of 30 mm with an `ap_mm` of 22.5 mm is 23.1 mm deep here.
     pub depth_mm: f64,
-    /// Height [mm]: the extent along the normal of its plane; nothing in a planar ring.
+    /// Height [mm]: the extent along the normal of its best plane; nothing in a planar ring. Not a saddle's `saddle_height_mm`, which is
+    /// measured from its widest line: a saddle of 30 mm for which that is 6 mm is 4.6 mm high here.
     pub height_mm: f64,
     /// Whether it goes all the way round. Where an open one does not, it does not settle how deep the annulus becomes.
     pub closed: bool,
@@ -330,6 +331,12 @@ pub(super) mod tests {
             "{saddle:?}"
         );
         assert!((saddle.width_mm - 30.0).abs() < 0.1, "{saddle:?}");
+        // The best plane leans with the line from the posterior middle, which is 1.8 mm high, to the anterior one.
+        let lower = laid(&Ring {
+            saddle_height_mm: Some(6.0),
+            ..parse_ring_spec("saddle:30").unwrap()
+        });
+        assert!((lower.height_mm - 4.6).abs() < 0.05, "{lower:?}");
     }
 
     #[test]

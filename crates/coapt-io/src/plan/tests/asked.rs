@@ -164,7 +164,18 @@ fn the_ring_is_told_as_it_lies() {
         "{laid:?}"
     );
     let told = text(&report);
-    assert!(told.contains("      ring as laid: 28.0 mm across and "), "{told}");
+    let expected = format!(
+        "      ring as laid: 28.0 mm across and {:.1} mm from front to back, {:.1} mm high\n",
+        laid.depth_mm, laid.height_mm
+    );
+    assert!(
+        laid.height_mm > 1.0 && told.contains(&expected),
+        "{expected}{told}"
+    );
+    let json: serde_json::Value = serde_json::from_str(&report.json().unwrap()).unwrap();
+    let rows = json["alternatives"].as_array().unwrap();
+    let row = rows.iter().find(|row| row["number"] == 1).unwrap();
+    assert_eq!(row["ring_laid"]["height_mm"].as_f64(), Some(laid.height_mm));
     assert_eq!(report.before.ring_laid, None);
     let head = csv(&report).lines().next().unwrap().to_owned();
     assert!(
