@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, value_parser};
+use clap::Args;
 use coapt::mesh::parametric::{self, Preset, ValveParameters};
 use coapt::model::{Built, Model};
 use coapt::scene::{Fault, Scene, Severity};
 use coapt_io::scene::{located, nearest, read_text, scene_file, scene_within, sentence};
+
+use crate::whole_number::whole_number;
 
 /// Faces of a preset that is closed without being written first: as many as the models of paper 003, so that an
 /// answer is there at once. `coapt generate` writes finer ones.
@@ -17,7 +19,7 @@ const FACES_OF_A_PRESET: u32 = 650;
 pub(crate) struct SizeLimit {
     /// Refuse valves of more triangles, with an estimate of what closing them would cost [default: what the scene says,
     /// usually 250000]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole_number(1..=u32::MAX), allow_negative_numbers = true)]
     max_faces: Option<u32>,
 }
 

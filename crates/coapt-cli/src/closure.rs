@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::{Args, ValueEnum, value_parser};
+use clap::{Args, ValueEnum};
 use coapt::model::{Built, Model};
 use coapt::plan::{Applied, apply_all};
 use coapt::repair::parse_ring_spec;
@@ -18,6 +18,7 @@ use crate::case::{self, SizeLimit};
 use crate::film::{FilmArguments, Scenery, is_no_folder};
 use crate::interrupt::close_watched;
 use crate::output::{Failure, Verdict, print, say};
+use crate::whole_number::{THREADS_ALLOWED, whole_number};
 
 /// What `coapt closure` understands.
 #[derive(Debug, Args)]
@@ -45,7 +46,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
     /// How many threads to use; the result does not depend on it [default: one per core]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole_number(THREADS_ALLOWED), allow_negative_numbers = true)]
     threads: Option<u16>,
     #[command(flatten)]
     film: FilmArguments,

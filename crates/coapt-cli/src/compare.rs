@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, value_parser};
+use clap::Args;
 use coapt::Vec3;
 use coapt::measure::compare::CompareSettings;
 use coapt::scene::{Fault, Settings};
@@ -10,6 +10,7 @@ use coapt_io::compare::{ComparisonReport, read_surface, text, write_comparison};
 
 use crate::closure::Format;
 use crate::output::{Failure, Verdict, print, say};
+use crate::whole_number::whole_number;
 
 /// What `coapt compare` understands.
 #[derive(Debug, Args)]
@@ -31,13 +32,13 @@ pub(crate) struct Arguments {
     atrial_direction: Option<Vec3>,
     /// Distance of mid-surfaces in contact [mm]: slits up to twice as wide hide what is in them from the atrium
     /// [default: 1]
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     thickness: Option<f64>,
     /// The point array that is above 0.5 where tissue touches tissue
     #[arg(long, value_name = "NAME", default_value = "contact")]
     contact_array: String,
     /// Refuse surfaces of more triangles [default: 250000]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole_number(1..=u32::MAX), allow_negative_numbers = true)]
     max_faces: Option<u32>,
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{ArgGroup, Args, value_parser};
+use clap::{ArgGroup, Args};
 use coapt::film::{FRAMES, Film, film_watched};
 use coapt::model::Model;
 use coapt::relax::Equilibrium;
@@ -16,6 +16,7 @@ use coapt_io::report::Closed;
 
 use crate::interrupt::watching;
 use crate::output::{Failure, say};
+use crate::whole_number::whole_number;
 
 /// What is filmed, and to where.
 #[derive(Debug, Args)]
@@ -34,7 +35,7 @@ pub(crate) struct FilmArguments {
     #[arg(long, value_name = "FILE.glb")]
     glb: Option<PathBuf>,
     /// Frames of the film, from no pressure to all of it; 60 take some ten times as long as the closure
-    #[arg(long, value_name = "N", requires = "films", default_value_t = FRAMES as u32, value_parser = value_parser!(u32).range(2..=i64::from(FRAME_LIMIT)))]
+    #[arg(long, value_name = "N", requires = "films", default_value_t = FRAMES as u32, value_parser = whole_number(2..=FRAME_LIMIT), allow_negative_numbers = true)]
     frames: u32,
 }
 

@@ -18,10 +18,10 @@ pub(crate) struct Arguments {
     #[arg(long)]
     anisotropic: bool,
     /// Largest Cauchy stress that is followed [kPa]: that at which closed leaflets work, some 50 to 150
-    #[arg(long = "up-to", value_name = "KPA", default_value_t = UP_TO_KPA)]
+    #[arg(long = "up-to", value_name = "KPA", default_value_t = UP_TO_KPA, allow_negative_numbers = true)]
     up_to_kpa: f64,
     /// Thickness of the tissue [mm], for a table of tensions
-    #[arg(long = "thickness", value_name = "MM")]
+    #[arg(long = "thickness", value_name = "MM", allow_negative_numbers = true)]
     thickness_mm: Option<f64>,
     /// How the result is printed
     #[arg(long, value_enum, default_value_t = Format::Text)]

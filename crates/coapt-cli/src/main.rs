@@ -24,6 +24,7 @@ mod plan;
 mod replay;
 mod report;
 mod study;
+mod whole_number;
 
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::{Args, value_parser};
+use clap::Args;
 use coapt::Vec3;
 use coapt::model::{Built, Model};
 use coapt::personalise::{
@@ -22,6 +22,7 @@ use crate::case::{self, SizeLimit, Source};
 use crate::closure::{Format, on_threads, timed};
 use crate::interrupt::watching;
 use crate::output::{Failure, Verdict, print, say};
+use crate::whole_number::{THREADS_ALLOWED, whole_number};
 
 /// What `coapt personalise` understands.
 #[derive(Debug, Args)]
@@ -44,7 +45,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
     /// How many threads to use; the result does not depend on it [default: one per core]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole_number(THREADS_ALLOWED), allow_negative_numbers = true)]
     threads: Option<u16>,
     #[command(flatten)]
     limit: SizeLimit,

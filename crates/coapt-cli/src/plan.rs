@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use clap::{Args, value_parser};
+use clap::Args;
 use coapt::model::{Built, Model, size};
 use coapt::personalise::Watch;
 use coapt::plan::{self, Applied, Comparison, Progress, apply_all};
@@ -22,6 +22,7 @@ use crate::film::{FilmArguments, Films, Scenery};
 use crate::interrupt::{note_closed, watching};
 use crate::output::{Failure, Verdict, count_line, print, say};
 use crate::study::prepare;
+use crate::whole_number::{THREADS_ALLOWED, whole_number};
 
 /// What `coapt plan` understands.
 #[derive(Debug, Args)]
@@ -51,19 +52,19 @@ pub(crate) struct Arguments {
     sensitivities: bool,
     /// Also close so many valves that an image could not tell from the given one, before and after the best alternatives; as
     /// `samples` of `[uncertainty]` in the plan
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=i64::from(SAMPLE_LIMIT)))]
+    #[arg(long, value_name = "N", value_parser = whole_number(1..=SAMPLE_LIMIT), allow_negative_numbers = true)]
     samples: Option<u32>,
     /// Which such valves: the same seed gives the same ones [default: 1]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = whole_number(0..=u64::MAX), allow_negative_numbers = true)]
     seed: Option<u64>,
     /// How the comparison is printed
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
     /// Refuse plans of more alternatives, before any is made
-    #[arg(long, value_name = "N", default_value_t = ALTERNATIVE_LIMIT, value_parser = value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = ALTERNATIVE_LIMIT, value_parser = whole_number(1..=u64::MAX), allow_negative_numbers = true)]
     max_alternatives: u64,
     /// How many threads to use; the result does not depend on it [default: one per core]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole_number(THREADS_ALLOWED), allow_negative_numbers = true)]
     threads: Option<u16>,
     #[command(flatten)]
     film: FilmArguments,

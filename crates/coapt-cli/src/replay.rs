@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, value_parser};
+use clap::Args;
 use coapt_io::record::{read, replay};
 
 use crate::closure::on_threads;
 use crate::interrupt::watching;
 use crate::output::{Failure, Verdict, print, say};
+use crate::whole_number::{THREADS_ALLOWED, whole_number};
 
 /// What `coapt replay` understands.
 #[derive(Debug, Args)]
@@ -15,7 +16,7 @@ pub(crate) struct Arguments {
     /// A recording, as `--record` writes it
     file: PathBuf,
     /// How many threads to use; the result does not depend on it [default: one per core]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole_number(THREADS_ALLOWED), allow_negative_numbers = true)]
     threads: Option<u16>,
 }
 

@@ -7,6 +7,7 @@ use coapt_io::atomic::write_text_atomically;
 use coapt_io::page::{RECORDING, SHOWN_ALTERNATIVES, add_film, page_html, read_page};
 
 use crate::output::{Failure, Verdict, say, tell};
+use crate::whole_number::whole_number;
 
 /// What `coapt report` understands.
 #[derive(Debug, Args)]
@@ -20,7 +21,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.mcap")]
     recording: Option<PathBuf>,
     /// Of a plan, show the shapes of so many alternatives, the first-ranked first; the table has all
-    #[arg(long, value_name = "N", default_value_t = SHOWN_ALTERNATIVES)]
+    #[arg(long, value_name = "N", default_value_t = SHOWN_ALTERNATIVES, value_parser = whole_number(0..=usize::MAX), allow_negative_numbers = true)]
     most: usize,
 }
 

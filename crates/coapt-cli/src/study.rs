@@ -5,8 +5,7 @@ mod laws;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::builder::RangedI64ValueParser;
-use clap::{Args, value_parser};
+use clap::Args;
 use coapt::model::Model;
 use coapt::relax::Equilibrium;
 use coapt::scene::Fault;
@@ -19,6 +18,7 @@ use crate::case::{self, Case, SizeLimit, Source};
 use crate::closure::on_threads;
 use crate::interrupt::close_watched;
 use crate::output::{Failure, Verdict, print, say};
+use crate::whole_number::{THREADS_ALLOWED, whole_number};
 
 /// What `coapt study` understands.
 #[derive(Debug, Args)]
@@ -29,40 +29,30 @@ pub(crate) struct Arguments {
     #[arg(long, conflicts_with_all = ["tolerance", "thickness"])]
     laws: bool,
     /// Mesh sizes of a preset, in triangles [default: 160,320,650,1300,2600; of laws 650]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = mesh_size())]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = whole_number(FACES_ALLOWED), allow_negative_numbers = true)]
     faces: Vec<u32>,
     /// Mesh size of the reference, in triangles [default: four times the finest mesh; a scene has but its own]
-    #[arg(long, value_name = "N", value_parser = mesh_size())]
+    #[arg(long, value_name = "N", value_parser = whole_number(FACES_ALLOWED), allow_negative_numbers = true)]
     reference_faces: Option<u32>,
     /// Residuals to stop at, each tried on every mesh
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = tolerance,
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = tolerance, allow_negative_numbers = true,
           default_value = "1e-1,1e-2,1e-3,1e-4,1e-5,1e-6")]
     tolerance: Vec<f64>,
     /// Contact thicknesses in mm, each tried on the mesh of about 650 triangles at the scene's residual
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = thickness, default_value = "0.3,0.5,0.8")]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = thickness, allow_negative_numbers = true, default_value = "0.3,0.5,0.8")]
     thickness: Vec<f64>,
     /// Closures of each setting, of which the median time counts
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = repeats())]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole_number(REPEATS_ALLOWED), allow_negative_numbers = true)]
     repeats: u16,
     /// Folder for study.csv, study.json and study.svg (of laws laws.csv and laws.json), made if need be; results of an
     /// earlier run are replaced
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// How many threads to use; the shapes do not depend on it, the times do [default: one per core]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole_number(THREADS_ALLOWED), allow_negative_numbers = true)]
     threads: Option<u16>,
     #[command(flatten)]
     limit: SizeLimit,
-}
-
-fn mesh_size() -> RangedI64ValueParser<u32> {
-    let (least, most) = FACES_ALLOWED.into_inner();
-    value_parser!(u32).range(i64::from(least)..=i64::from(most))
-}
-
-fn repeats() -> RangedI64ValueParser<u16> {
-    let (least, most) = REPEATS_ALLOWED.into_inner();
-    value_parser!(u16).range(i64::from(least)..=i64::from(most))
 }
 
 fn tolerance(word: &str) -> Result<f64, String> {

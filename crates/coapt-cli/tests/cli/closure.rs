@@ -128,6 +128,11 @@ fn wrong_usage_is_status_2_and_help_is_0() {
     assert!(stderr(&coapt(&["closure", "helthy"])).contains("did you mean `healthy`?"));
     let unknown = stderr(&coapt(&generate("annulus.transverse=40")));
     assert!(unknown.contains("did you mean `transverse_mm`?"), "{unknown}");
+    let unknown = stderr(&coapt(&generate("fces=1")));
+    assert!(
+        unknown.contains("unknown key `fces`; did you mean `faces`?"),
+        "{unknown}"
+    );
     for help in [&["--help"][..], &["--version"], &["closure", "--help"]] {
         assert_eq!(status(help), Some(0), "{help:?}");
     }

@@ -63,7 +63,72 @@ fn a_limit_of_no_faces_is_wrong_usage() {
         let output = coapt(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         let words = stderr(&output);
-        assert!(words.contains("0 is not in 1..=4294967295"), "{words}");
+        assert!(
+            words.contains("expected a whole number from 1 to 4294967295"),
+            "{words}"
+        );
+    }
+}
+
+/// A negative number is a value, not an option that nobody knows; what is no such number is told with what is expected.
+#[test]
+fn numbers_that_cannot_be_are_told_with_what_is_expected() {
+    let closure = "closure nowhere --record never.mcap";
+    let study = "study nowhere --out never";
+    for (command, option, [least, most]) in [
+        (closure, "--threads", ["1", "1024"]),
+        (closure, "--frames", ["2", "10000"]),
+        (closure, "--max-faces", ["1", "4294967295"]),
+        ("plan nowhere never", "--samples", ["1", "100000"]),
+        ("plan nowhere never", "--seed", ["0", "18446744073709551615"]),
+        (
+            "plan nowhere never",
+            "--max-alternatives",
+            ["1", "18446744073709551615"],
+        ),
+        ("plan nowhere never", "--threads", ["1", "1024"]),
+        ("compare nowhere never", "--max-faces", ["1", "4294967295"]),
+        ("personalise nowhere never", "--threads", ["1", "1024"]),
+        ("replay nowhere", "--threads", ["1", "1024"]),
+        ("report nowhere", "--most", ["0", "18446744073709551615"]),
+        (study, "--faces", ["100", "1000000"]),
+        (study, "--reference-faces", ["100", "1000000"]),
+        (study, "--repeats", ["1", "1000"]),
+        (study, "--threads", ["1", "1024"]),
+    ] {
+        let expected = format!("expected a whole number from {least} to {most}");
+        for (word, is_right) in [
+            ("-3", false),
+            ("3.5", false),
+            ("many", false),
+            ("", false),
+            (least, true),
+            (most, true),
+        ] {
+            let arguments: Vec<&str> = command.split(' ').chain([option, word]).collect();
+            let output = coapt(&arguments);
+            let told = stderr(&output);
+            // What is right ends at the file that there is not.
+            assert!(
+                matches!(output.status.code(), Some(1 | 2))
+                    && told.contains(&expected) != is_right
+                    && !told.contains("tip:"),
+                "{arguments:?} {told}"
+            );
+        }
+    }
+    for (arguments, expected) in [
+        (
+            &["study", "--tolerance", "-3"],
+            "expected a number above 0 and below 1",
+        ),
+        (
+            &["study", "--thickness", "-0.5"],
+            "expected a number of mm above 0",
+        ),
+    ] {
+        let told = stderr(&coapt(arguments));
+        assert!(told.contains(expected) && !told.contains("tip:"), "{told}");
     }
 }
 

@@ -120,7 +120,7 @@ fn a_study_of_a_scene_has_its_own_mesh_and_wrong_lists_are_refused() {
         (vec!["healthy", "--tolerance", "nan"], "above 0 and below 1"),
         (vec!["healthy", "--thickness=-1"], "above 0"),
         (vec!["healthy", "--thickness", "inf"], "above 0"),
-        (vec!["healthy", "--repeats", "0"], "1..=1000"),
+        (vec!["healthy", "--repeats", "0"], "from 1 to 1000"),
         (vec!["helthy"], "did you mean `healthy`?"),
     ] {
         let mut arguments = vec!["study"];

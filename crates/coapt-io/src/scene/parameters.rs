@@ -16,10 +16,7 @@ pub fn with_parameter(
     value: toml::Value,
     word: &str,
 ) -> Result<ValveParameters, String> {
-    let key = match key {
-        "faces" => "face_count_target",
-        key => key,
-    };
+    let key = if key == SHORT.0 { SHORT.1 } else { key };
     let value = serde_json::to_value(value).map_err(|error| error.to_string())?;
     let mut table = serde_json::to_value(parameters).map_err(|error| error.to_string())?;
     let steps: Vec<&str> = key.split('.').collect();
@@ -41,6 +38,9 @@ pub fn with_parameter(
         },
     )
 }
+
+/// A short key and the one that it stands for.
+const SHORT: (&str, &str) = ("faces", "face_count_target");
 
 /// A whole number that was written with a point or a power of ten as one without.
 fn whole(value: Value) -> Value {
@@ -83,7 +83,10 @@ fn put(table: &mut Value, path: &[&str], value: Value) -> Result<(), String> {
         return Err(format!("there is no key `{step}` below it: it holds a value"));
     };
     if !entries.is_empty() && !entries.contains_key(*step) {
-        let known: Vec<&str> = entries.keys().map(String::as_str).collect();
+        let mut known: Vec<&str> = entries.keys().map(String::as_str).collect();
+        if entries.contains_key(SHORT.1) {
+            known.push(SHORT.0);
+        }
         let advice = match nearest(step, known.iter().copied()) {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => format!("there are {}", known.join(", ")),
@@ -123,6 +126,15 @@ mod tests {
             (
                 with("anulus.transverse_mm", 42.0),
                 "unknown key `anulus`; did you mean `annulus`?",
+            ),
+            (with("fces", 1), "unknown key `fces`; did you mean `faces`?"),
+            (
+                with("colour", 1),
+                "jitter_mm, jitter_seed, leaflets, name, papillary, pressure_mmhg, faces",
+            ),
+            (
+                with("annulus.faces", 1),
+                "unknown key `faces`; there are anterior_fraction",
             ),
             (
                 with("faces", 1.5),
