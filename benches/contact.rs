@@ -21,7 +21,7 @@ fn bench_broad(criterion: &mut Criterion) {
             let at = |vertex: u32| closed.state.positions_mm[vertex as usize];
             let edges = closed.surface.edges.iter();
             let boxes: Vec<Box3> = edges.map(|edge| Box3::around(edge.map(at), margin_mm)).collect();
-            bencher.iter(|| sweep.among(&boxes).len());
+            bencher.iter(|| sweep.among(&boxes, &closed.surface.edge_patches).len());
         });
     }
 }

@@ -2,6 +2,7 @@
 
 use coapt::Vec3;
 use coapt::contact::broad::{Box3, SweepAndPrune};
+use coapt::contact::patches::Patches;
 use coapt_tests::Random;
 use std::collections::BTreeSet;
 
@@ -44,11 +45,15 @@ fn sweep_and_prune_finds_what_brute_force_finds_on_a_million_pairs_and_more() {
         };
         // Among all, and between the first third and the rest, as seen from either.
         let count = exact.len();
-        let among = each_once(sweep.among(&exact).iter().map(|&[i, j]| [i.min(j), i.max(j)]));
+        let among = each_once(
+            told_among(&mut sweep, &exact)
+                .iter()
+                .map(|&[i, j]| [i.min(j), i.max(j)]),
+        );
         let third = count / 3;
         let (ones, others) = exact.split_at(third);
         let shifted = |&[i, j]: &[u32; 2]| [i, j + third as u32];
-        let between = each_once(sweep.between(ones, others).iter().map(shifted));
+        let between = each_once(told_between(&mut sweep, ones, others).iter().map(shifted));
         for i in 0..count {
             for j in i + 1..count {
                 compare(&among, i, j);
@@ -58,10 +63,26 @@ fn sweep_and_prune_finds_what_brute_force_finds_on_a_million_pairs_and_more() {
                 compared += 1;
             }
         }
-        let back = sweep.between(others, ones).iter().map(|&[j, i]| shifted(&[i, j]));
+        let back = told_between(&mut sweep, others, ones)
+            .iter()
+            .map(|&[j, i]| shifted(&[i, j]));
         assert_eq!(each_once(back), between);
     }
     assert!(compared > 1_000_000, "{compared}");
+}
+
+fn patches(boxes: &[Box3]) -> Patches {
+    // A half of each first: the ends of some are as large as numbers are.
+    let middles = boxes.iter().map(|one| one.low * 0.5 + one.high * 0.5);
+    Patches::new(&middles.collect::<Vec<Vec3>>())
+}
+
+fn told_among<'a>(sweep: &'a mut SweepAndPrune, boxes: &[Box3]) -> &'a [[u32; 2]] {
+    sweep.among(boxes, &patches(boxes))
+}
+
+fn told_between<'a>(sweep: &'a mut SweepAndPrune, ones: &[Box3], others: &[Box3]) -> &'a [[u32; 2]] {
+    sweep.between([ones, others], [&patches(ones), &patches(others)])
 }
 
 fn each_once(pairs: impl ExactSizeIterator<Item = [u32; 2]>) -> BTreeSet<[u32; 2]> {
@@ -102,11 +123,11 @@ const FAMILIES: [Family; 9] = [
     // Sizes over six hundred powers of ten side by side.
     ("of every size", |random| {
         let place = |random: &mut Random| random.vector().map(|x| x * 10_f64.powf(300.0 * random.signed()));
-        between(place(random), place(random))
+        spanned(place(random), place(random))
     }),
 ];
 
-fn between(one: Vec3, other: Vec3) -> Box3 {
+fn spanned(one: Vec3, other: Vec3) -> Box3 {
     Box3 {
         low: one.inf(&other),
         high: one.sup(&other),
@@ -116,7 +137,7 @@ fn between(one: Vec3, other: Vec3) -> Box3 {
 fn grid_box(reach: f64, step: f64, random: &mut Random) -> Box3 {
     let mut place = || (random.vector() * reach).map(f64::round);
     let (corner, length) = (place(), place() * 0.25);
-    between(corner * step, (corner + length.map(f64::round)) * step)
+    spanned(corner * step, (corner + length.map(f64::round)) * step)
 }
 
 fn rounded_box(far: f64, random: &mut Random) -> Box3 {
@@ -126,7 +147,7 @@ fn rounded_box(far: f64, random: &mut Random) -> Box3 {
         f64::from_bits(single.to_bits().wrapping_add_signed(ulps))
     };
     let corner = |random: &mut Random| Vec3::new(end(random), end(random), end(random));
-    between(corner(random), corner(random))
+    spanned(corner(random), corner(random))
 }
 
 /// A cloth of 20,000 faces laid over a ball of as many, and a step in which it slides over it: every two boxes that overlap are
@@ -168,7 +189,11 @@ fn sweep_and_prune_finds_what_brute_force_finds_of_a_cloth_over_a_ball() {
         };
         let boxes: Vec<Box3> = faces.iter().map(box_of).collect();
         let mut sweep = SweepAndPrune::default();
-        let found = each_once(sweep.among(&boxes).iter().map(|&[i, j]| [i.min(j), i.max(j)]));
+        let found = each_once(
+            told_among(&mut sweep, &boxes)
+                .iter()
+                .map(|&[i, j]| [i.min(j), i.max(j)]),
+        );
         let mut overlaps = 0;
         for i in 0..boxes.len() {
             for j in i + 1..boxes.len() {
@@ -197,8 +222,16 @@ fn sweep_and_prune_misses_nothing_whatever_the_boxes() {
         let boxes: Vec<Box3> = (0..520).map(|_| make(&mut random)).collect();
         let (ones, others) = boxes.split_at(170);
         let mut sweep = SweepAndPrune::default();
-        let among = each_once(sweep.among(&boxes).iter().map(|&[i, j]| [i.min(j), i.max(j)]));
-        let between = each_once(sweep.between(ones, others).iter().map(|&[i, j]| [i, j + 170]));
+        let among = each_once(
+            told_among(&mut sweep, &boxes)
+                .iter()
+                .map(|&[i, j]| [i.min(j), i.max(j)]),
+        );
+        let between = each_once(
+            between(&mut sweep, ones, others)
+                .iter()
+                .map(|&[i, j]| [i, j + 170]),
+        );
         let mut overlaps = 0;
         for i in 0..boxes.len() {
             for j in i + 1..boxes.len() {

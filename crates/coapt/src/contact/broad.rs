@@ -1,10 +1,14 @@
-//! Sweep and prune over boxes.
+//! Sweep and prune over boxes, in patches.
 //!
-//! Boxes are sorted by their lower ends along the longest axis of the scene, dealt out to strips along the second longest,
-//! and each strip is swept alone: the cost stays nearly linear in their number. Bounds are single precision, rounded
-//! outwards, eight to an instruction; two boxes apart by less than that rounding, a ten-millionth of the scene, may be told
-//! of too.
+//! Boxes that lie side by side make a patch of eight ([`super::patches`]). The boxes around patches are sorted by their lower ends along
+//! the longest axis of the scene, dealt out to strips along the second longest, and each strip is swept alone: the cost stays
+//! nearly linear in their number. Of two patches that overlap, each box of the one is tested with all eight of the other at once.
+//! Bounds are single precision, rounded outwards, eight to an instruction; two boxes apart by less than that rounding, a
+//! ten-millionth of the scene, may be told of too.
+//!
+//! The edges of a closed valve take half of the time that a sweep over the boxes themselves took, at 650 faces and at 2600.
 
+use super::patches::{LANES, NOBODY, Patches};
 use crate::Vec3;
 use crate::simd::{Kernel, dispatch};
 
@@ -37,40 +41,70 @@ impl Box3 {
 #[derive(Clone, Debug, Default)]
 pub struct SweepAndPrune {
     keys: Vec<u64>,
-    ones: Vec<Strip>,
-    others: Vec<Strip>,
+    /// Boxes around patches, and those in patches, of one kind and of another.
+    around: [Vec<Box3>; 2],
+    around_from_origin: Vec<[[f32; 3]; 2]>,
+    inside: [Vec<Lanes>; 2],
+    strips: [Vec<Strip>; 2],
+    found_patches: Vec<[u32; 2]>,
     found: Vec<[u32; 2]>,
 }
 
-/// Width of a strip in mean box widths [1]. Boxes on a seam lie in two strips: at 1 every second box does, beyond 4
-/// the sweep meets too many boxes that are far off; between, the time hardly changes.
+/// Width of a strip in mean widths of the boxes around patches [1]. What lies on a seam is in two strips; in a wide one the sweep meets many
+/// that are far off. From 1 to 4 the time hardly changes.
 const STRIP_WIDTH: f64 = 2.0;
-/// Boxes that are tested at once: an AVX register of single-precision numbers.
-const LANES: usize = 8;
 
 impl SweepAndPrune {
-    /// Every two of some boxes that overlap, each two once, in an order that the boxes alone decide; to be thinned out with
-    /// [`keep`].
-    pub fn among(&mut self, boxes: &[Box3]) -> &mut Vec<[u32; 2]> {
-        let frame = Frame::new(boxes, &[]);
-        frame.deal_out(boxes, &mut self.keys, &mut self.ones);
-        self.found.clear();
+    /// Every two of some boxes that overlap, each two once, in an order that the boxes and their patches alone decide; to be
+    /// thinned out with [`keep`].
+    pub fn among(&mut self, boxes: &[Box3], patches: &Patches) -> &mut Vec<[u32; 2]> {
+        let [around, _] = &mut self.around;
+        surround(boxes, patches, around);
+        let frame = Frame::new(around, &[]);
+        frame.deal_out(around, &mut self.keys, &mut self.strips[0]);
+        frame.fill(boxes, patches, &mut self.inside[0]);
+        frame.shift(around, &mut self.around_from_origin);
+        // Boxes of one patch, too, may overlap.
+        self.found_patches.clear();
+        self.found_patches
+            .extend((0..patches.members.len() as u32).map(|patch| [patch; 2]));
         dispatch(Among {
-            strips: &self.ones[..frame.count],
-            found: &mut self.found,
+            strips: &self.strips[0][..frame.count],
+            found: &mut self.found_patches,
         });
-        &mut self.found
+        self.look_inside([patches; 2], [0, 0])
     }
 
     /// Every box of one kind that overlaps one of another kind: one, other. As with [`Self::among`].
-    pub fn between(&mut self, ones: &[Box3], others: &[Box3]) -> &mut Vec<[u32; 2]> {
-        let frame = Frame::new(ones, others);
-        frame.deal_out(ones, &mut self.keys, &mut self.ones);
-        frame.deal_out(others, &mut self.keys, &mut self.others);
-        self.found.clear();
+    pub fn between(&mut self, boxes: [&[Box3]; 2], patches: [&Patches; 2]) -> &mut Vec<[u32; 2]> {
+        for kind in 0..2 {
+            surround(boxes[kind], patches[kind], &mut self.around[kind]);
+        }
+        let frame = Frame::new(&self.around[0], &self.around[1]);
+        for kind in 0..2 {
+            frame.deal_out(&self.around[kind], &mut self.keys, &mut self.strips[kind]);
+            frame.fill(boxes[kind], patches[kind], &mut self.inside[kind]);
+        }
+        frame.shift(&self.around[1], &mut self.around_from_origin);
+        self.found_patches.clear();
+        let [ones, others] = &self.strips;
         dispatch(Between {
-            ones: &self.ones[..frame.count],
-            others: &self.others[..frame.count],
+            ones: &ones[..frame.count],
+            others: &others[..frame.count],
+            found: &mut self.found_patches,
+        });
+        self.look_inside(patches, [0, 1])
+    }
+
+    /// Tests the boxes of the patches found; `kinds` says where theirs are.
+    fn look_inside(&mut self, patches: [&Patches; 2], kinds: [usize; 2]) -> &mut Vec<[u32; 2]> {
+        self.found.clear();
+        dispatch(Inside {
+            found_patches: &self.found_patches,
+            around: &self.around_from_origin,
+            lanes: kinds.map(|kind| self.inside[kind].as_slice()),
+            members: patches.map(|patches| patches.members.as_slice()),
+            are_one_kind: kinds[0] == kinds[1],
             found: &mut self.found,
         });
         &mut self.found
@@ -86,6 +120,58 @@ pub fn keep(pairs: &mut Vec<[u32; 2]>, is_wanted: impl Fn([u32; 2]) -> bool) {
         kept += usize::from(is_wanted(pair));
     }
     pairs.truncate(kept);
+}
+
+/// The box around each patch.
+fn surround(boxes: &[Box3], patches: &Patches, around: &mut Vec<Box3>) {
+    around.clear();
+    around.extend(patches.members.iter().map(|members| {
+        let first = boxes[members[0] as usize];
+        let others = members[1..].iter().filter(|&&member| member != NOBODY);
+        others.fold(first, |around, &member| {
+            let Box3 { low, high } = &boxes[member as usize];
+            Box3 {
+                low: around.low.inf(low),
+                high: around.high.sup(high),
+            }
+        })
+    }));
+}
+
+/// The boxes of a patch, one array a bound; nothing meets those of nobody.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+struct Lanes {
+    low: [[f32; LANES]; 3],
+    high: [[f32; LANES]; 3],
+}
+
+impl Lanes {
+    /// One of the boxes: lower ends, upper ends.
+    #[inline(always)]
+    fn of(&self, lane: usize) -> [[f32; 3]; 2] {
+        [0, 1].map(|end| [0, 1, 2].map(|axis| [&self.low, &self.high][end][axis][lane]))
+    }
+
+    /// How far each of them is from another box along the axis where it is farthest: not above zero where they overlap.
+    #[inline(always)]
+    fn gaps(&self, [low, high]: &[[f32; 3]; 2]) -> [f32; LANES] {
+        let mut gaps = [f32::NEG_INFINITY; LANES];
+        for axis in 0..3 {
+            for (gap, bound) in gaps.iter_mut().zip(&self.low[axis]) {
+                *gap = larger(*gap, bound - high[axis]);
+            }
+            for (gap, bound) in gaps.iter_mut().zip(&self.high[axis]) {
+                *gap = larger(*gap, low[axis] - bound);
+            }
+        }
+        gaps
+    }
+}
+
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// Where the boxes are, and how they are divided.
@@ -129,6 +215,41 @@ impl Frame {
     fn strip_of(&self, across: f32) -> usize {
         // A cast saturates: below the first strip is the first.
         ((across / self.strip_width) as usize).min(self.count - 1)
+    }
+
+    /// The boxes of each patch, from the frame's origin.
+    fn fill(&self, boxes: &[Box3], patches: &Patches, lanes: &mut Vec<Lanes>) {
+        lanes.clear();
+        lanes.extend(patches.members.iter().map(|members| {
+            let mut lanes = Lanes {
+                low: [[f32::INFINITY; LANES]; 3],
+                high: [[f32::NEG_INFINITY; LANES]; 3],
+            };
+            for (lane, &member) in members
+                .iter()
+                .enumerate()
+                .filter(|(_, member)| **member != NOBODY)
+            {
+                let Box3 { low, high } = &boxes[member as usize];
+                for axis in 0..3 {
+                    lanes.low[axis][lane] = below(low[axis] - self.origin[axis]);
+                    lanes.high[axis][lane] = above(high[axis] - self.origin[axis]);
+                }
+            }
+            lanes
+        }));
+    }
+
+    /// Lower and upper ends of boxes, from the frame's origin.
+    fn shift(&self, boxes: &[Box3], shifted: &mut Vec<[[f32; 3]; 2]>) {
+        let ends = |Box3 { low, high }: &Box3| {
+            [
+                [0, 1, 2].map(|axis| below(low[axis] - self.origin[axis])),
+                [0, 1, 2].map(|axis| above(high[axis] - self.origin[axis])),
+            ]
+        };
+        shifted.clear();
+        shifted.extend(boxes.iter().map(ends));
     }
 
     /// Sorts boxes and puts each into every strip that it reaches.
@@ -296,5 +417,78 @@ impl Kernel for Between<'_> {
                 ones.scan(from, others, other, |other, one| self.found.push([one, other]));
             }
         }
+    }
+}
+
+/// The boxes of patches that overlap.
+struct Inside<'a> {
+    found_patches: &'a [[u32; 2]],
+    /// The boxes around the patches of the other kind, from the frame's origin.
+    around: &'a [[[f32; 3]; 2]],
+    lanes: [&'a [Lanes]; 2],
+    members: [&'a [[u32; LANES]]; 2],
+    are_one_kind: bool,
+    found: &'a mut Vec<[u32; 2]>,
+}
+
+/// Patches that are looked into at once. Comparisons and what follows from them are done one after the other for all, in loops that the
+/// compiler turns into vector instructions, which it did not while both were one.
+const AT_ONCE: usize = 32;
+
+impl Kernel for Inside<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let [ones, others] = self.lanes;
+        let mut gaps = [[0.0_f32; LANES]; AT_ONCE * LANES];
+        let mut overlaps = [[0_u8; LANES]; AT_ONCE * LANES];
+        let mut met = [(0, 0, 0); AT_ONCE * LANES];
+        for chunk in self.found_patches.chunks(AT_ONCE) {
+            // Which boxes of the one reach the other patch at all.
+            for (gaps, &[one, other]) in gaps.iter_mut().zip(chunk) {
+                *gaps = ones[one as usize].gaps(&self.around[other as usize]);
+            }
+            tell_overlaps(&gaps[..chunk.len()], &mut overlaps);
+            let mut count = 0;
+            for (overlaps, &[one, other]) in overlaps.iter().zip(chunk) {
+                each_set(u64::from_le_bytes(*overlaps), |lane| {
+                    met[count] = (one, lane, other);
+                    count += 1;
+                });
+            }
+            // And which boxes of that these meet.
+            for (gaps, &(one, lane, other)) in gaps.iter_mut().zip(&met[..count]) {
+                *gaps = others[other as usize].gaps(&ones[one as usize].of(lane));
+            }
+            tell_overlaps(&gaps[..count], &mut overlaps);
+            for (overlaps, &(one, lane, other)) in overlaps.iter().zip(&met[..count]) {
+                let mut overlaps = u64::from_le_bytes(*overlaps);
+                if self.are_one_kind && one == other {
+                    // Each two once.
+                    overlaps &= !(u64::MAX >> (8 * (LANES - 1 - lane)));
+                }
+                let mine = self.members[0][one as usize][lane];
+                let theirs = &self.members[1][other as usize];
+                each_set(overlaps, |lane| self.found.push([mine, theirs[lane]]));
+            }
+        }
+    }
+}
+
+/// A byte for each gap: one where there is none.
+#[inline(always)]
+fn tell_overlaps(gaps: &[[f32; LANES]], overlaps: &mut [[u8; LANES]]) {
+    for (gap, overlap) in gaps.as_flattened().iter().zip(overlaps.as_flattened_mut()) {
+        *overlap = u8::from(*gap <= 0.0);
+    }
+}
+
+/// Visits the bytes that are one, the lowest first.
+#[inline(always)]
+fn each_set(mut bytes: u64, mut visit: impl FnMut(usize)) {
+    while bytes != 0 {
+        visit(bytes.trailing_zeros() as usize / 8);
+        bytes &= bytes - 1;
     }
 }

@@ -28,7 +28,10 @@ pub fn crossings(surface: &Surface, positions_mm: &[Vec3]) -> Vec<Crossing> {
         let face = &faces[face as usize];
         !face.contains(&p) && !face.contains(&q)
     };
-    let near = sweep.between(&edge_boxes, &face_boxes);
+    let near = sweep.between(
+        [&edge_boxes, &face_boxes],
+        [&surface.edge_patches, &surface.face_patches],
+    );
     keep(near, are_apart);
     let mut found: Vec<Crossing> = near
         .iter()

@@ -1,13 +1,15 @@
 //! Which pairs of parts may touch during a step.
 //!
 //! Parts are points and triangles, edges and edges. There are two lists, because what bounds the approach of parts that are
-//! not listed differs. Parts whose faces share a vertex come nearer by no more than the ends of mesh edges move against
-//! each other, which is little while the valve swings. For all others, found by sweep and prune, the bound is how far
+//! not listed differs. Parts whose faces share a vertex come nearer by no more than corners of each face move against that
+//! vertex, which is little while the valve swings. For all others, found by sweep and prune, the bound is how far
 //! vertices move at all; where that is much they are found for the step alone, each box grown by its own part's motion.
 
-use super::broad::{Box3, SweepAndPrune, keep};
+use super::broad::{Box3, SweepAndPrune};
 use super::listing::Listing;
-use super::pairs::{Pair, PairKind, Place, approach_squared_mm2, are_beyond, nearest_at, pair_at_rest};
+use super::pairs::{Pair, PairKind, Place, approach_squared_mm2, pair_at_rest};
+use super::reach::Batch;
+use super::surface::NO_FACE;
 use crate::Vec3;
 
 /// The pairs that may touch, kept from step to step.
@@ -15,6 +17,8 @@ use crate::Vec3;
 pub struct PairList {
     /// Parts of faces that share a vertex.
     neighbours: Listing,
+    /// The most that corners of a face have moved against each other since those were listed [mm], shape `[face]`.
+    stretch_mm: Vec<f64>,
     /// All others.
     apart: Listing,
     search: Search,
@@ -25,8 +29,6 @@ pub struct PairList {
 const LASTING_BUDGET: f64 = 0.2;
 /// The list of neighbours is made for so many steps like the present one [1].
 const NEIGHBOUR_AHEAD: f64 = 2.0;
-/// Edges between the vertices of two neighbouring parts, at most: to the vertex that their faces share, and on.
-const NEIGHBOUR_EDGES: f64 = 2.0;
 
 impl PairList {
     /// Gathers the pairs that may touch while the vertices go from `positions_mm` along their steps, all at the same
@@ -38,18 +40,26 @@ impl PairList {
     }
 
     fn gather_neighbours(&mut self, place: &Place, step_mm: &[Vec3], found: &mut Vec<Pair>) {
-        let listing = &mut self.neighbours;
-        let stretch_mm = |motion_mm: &[Vec3]| stretch_mm(&place.surface.edges, motion_mm);
-        let mut moved_mm = listing.follow(place, step_mm, stretch_mm);
+        let (listing, stretch_mm) = (&mut self.neighbours, &mut self.stretch_mm);
+        let faces = &place.surface.faces;
+        stretch_mm.clear();
+        stretch_mm.resize(faces.len(), 0.0);
+        let moved_mm = listing.follow(place, step_mm, |motion_mm| stretch(faces, motion_mm, stretch_mm));
         if moved_mm > listing.budget_mm {
-            let budget_mm = (LASTING_BUDGET * place.thickness_mm).max(NEIGHBOUR_AHEAD * stretch_mm(step_mm));
+            stretch_mm.fill(0.0);
+            let ahead_mm = NEIGHBOUR_AHEAD * stretch(faces, step_mm, stretch_mm);
+            let budget_mm = (LASTING_BUDGET * place.thickness_mm).max(ahead_mm);
             listing.begin(place.positions_mm, budget_mm);
-            for &parts in &place.surface.neighbour_pairs {
-                listing.list(place, parts, true, NEIGHBOUR_EDGES * budget_mm);
+            for pair in &place.surface.neighbour_pairs {
+                let parts = (pair.kind, pair.vertices, pair.area_mm2);
+                listing.list(place, parts, pair.faces, true, 2.0 * budget_mm);
             }
-            moved_mm = listing.follow(place, step_mm, stretch_mm);
+            // From here on they have moved by the step alone.
+            listing.follow(place, step_mm, |_| 0.0);
         }
-        listing.gather(place, step_mm, NEIGHBOUR_EDGES * moved_mm, found);
+        // To the vertex that their faces share, and on.
+        let most_mm = |[one, other]: [u32; 2]| stretch_mm[one as usize] + stretch_mm[other as usize];
+        listing.gather(place, step_mm, most_mm, found);
     }
 
     fn gather_apart(&mut self, place: &Place, step_mm: &[Vec3], found: &mut Vec<Pair>) {
@@ -64,25 +74,29 @@ impl PairList {
             }
             listing.begin(place.positions_mm, budget_mm);
             let most_mm = 2.0 * budget_mm;
-            self.search.within(
-                place,
-                |_| budget_mm,
-                |_, _| most_mm,
-                |parts, are_near_at_rest| listing.list(place, parts, are_near_at_rest, most_mm),
-            );
+            let motion_mm = &mut self.search.motion_mm;
+            motion_mm.clear();
+            motion_mm.resize(place.positions_mm.len(), budget_mm);
+            self.search
+                .within(place, (most_mm, None), |parts, are_near_at_rest| {
+                    listing.list(place, parts, [NO_FACE; 2], are_near_at_rest, most_mm)
+                });
             moved_mm = listing.follow(place, step_mm, longest_mm);
         }
-        listing.gather(place, step_mm, 2.0 * moved_mm, found);
+        listing.gather(place, step_mm, |_| 2.0 * moved_mm, found);
     }
 }
 
 /// Finds parts near each other; keeps its room from call to call.
 #[derive(Clone, Debug, Default)]
 struct Search {
+    /// How far each vertex may move [mm], shape `[vertex]`.
+    motion_mm: Vec<f64>,
     sweep: SweepAndPrune,
     edge_boxes: Vec<Box3>,
     point_boxes: Vec<Box3>,
     face_boxes: Vec<Box3>,
+    batch: Box<Batch>,
 }
 
 impl Search {
@@ -90,10 +104,10 @@ impl Search {
     fn during(&mut self, place: &Place, step_mm: &[Vec3], found: &mut Vec<Pair>) {
         // What all vertices do together brings none nearer.
         let mean_mm = step_mm.iter().sum::<Vec3>() / step_mm.len().max(1) as f64;
-        let motion_mm = |vertex: u32| (step_mm[vertex as usize] - mean_mm).norm();
-        let approach_mm =
-            |kind: PairKind, vertices: &[u32; 4]| approach_squared_mm2(kind, vertices, step_mm).sqrt();
-        self.within(place, motion_mm, approach_mm, |parts, are_near_at_rest| {
+        self.motion_mm.clear();
+        self.motion_mm
+            .extend(step_mm.iter().map(|step| (step - mean_mm).norm()));
+        self.within(place, (0.0, Some(step_mm)), |parts, are_near_at_rest| {
             let (kind, vertices, area_mm2) = parts;
             if are_near_at_rest {
                 let pair = pair_at_rest(place, kind, vertices, area_mm2);
@@ -106,33 +120,33 @@ impl Search {
         });
     }
 
-    /// Visits all pairs that may be within the thickness after each vertex has moved so far and the two parts have come
-    /// nearer by so much [mm], those whose faces share a vertex left out: kind, vertices, area [mm²], and whether their
-    /// faces are near at rest.
+    /// Visits pairs, those whose faces share a vertex left out: kind, vertices, area [mm²], and whether their faces are near at rest. All are
+    /// among them that may be within the thickness after each vertex has moved by `self.motion_mm` and the two parts have come nearer
+    /// by so much [mm] and by what a step brings; nine of ten others are not.
     fn within(
         &mut self,
         place: &Place,
-        motion_mm: impl Fn(u32) -> f64,
-        approach_mm: impl Fn(PairKind, &[u32; 4]) -> f64,
+        (nearer_mm, step_mm): (f64, Option<&[Vec3]>),
         mut visit: impl FnMut((PairKind, [u32; 4], f64), bool),
     ) {
-        self.box_parts(place, motion_mm);
+        self.box_parts(place);
         let surface = place.surface;
-        let is_in_reach = |kind: PairKind, vertices: &[u32; 4], faces: [u32; 2]| {
-            let reach_mm = place.farthest_mm(faces) + approach_mm(kind, vertices);
-            // Nineteen of twenty whose boxes overlap are not in reach, and most of them are told by less than closest points.
-            !are_beyond(kind, vertices, place.positions_mm, reach_mm)
-                && nearest_at(kind, vertices, place.positions_mm)
-                    .separation_mm
-                    .norm_squared()
-                    <= reach_mm * reach_mm
+        let reach = |vertices: [u32; 4], faces: [u32; 2]| {
+            surface
+                .are_apart(faces)
+                .then(|| (vertices, place.farthest_mm(faces) + nearer_mm))
         };
-        let near = self.sweep.between(&self.point_boxes, &self.face_boxes);
-        keep(near, |pair| surface.are_apart(surface.faces_of_point(pair)));
-        keep(near, |pair| {
-            let vertices = surface.point_and_face(pair);
-            is_in_reach(PairKind::PointTriangle, &vertices, surface.faces_of_point(pair))
-        });
+        let near = self.sweep.between(
+            [&self.point_boxes, &self.face_boxes],
+            [&surface.point_patches, &surface.face_patches],
+        );
+        self.batch.thin_out(
+            near,
+            PairKind::PointTriangle,
+            place.positions_mm,
+            step_mm,
+            |pair| reach(surface.point_and_face(pair), surface.faces_of_point(pair)),
+        );
         for &pair in &*near {
             let vertices = surface.point_and_face(pair);
             let parts = (
@@ -142,12 +156,11 @@ impl Search {
             );
             visit(parts, place.are_near_at_rest(surface.faces_of_point(pair)));
         }
-        let near = self.sweep.among(&self.edge_boxes);
-        keep(near, |pair| surface.are_apart(surface.faces_of_edges(pair)));
-        keep(near, |pair| {
-            let vertices = surface.ends(pair);
-            is_in_reach(PairKind::EdgeEdge, &vertices, surface.faces_of_edges(pair))
-        });
+        let near = self.sweep.among(&self.edge_boxes, &surface.edge_patches);
+        self.batch
+            .thin_out(near, PairKind::EdgeEdge, place.positions_mm, step_mm, |pair| {
+                reach(surface.ends(pair), surface.faces_of_edges(pair))
+            });
         for &pair in &*near {
             let parts = (
                 PairKind::EdgeEdge,
@@ -159,8 +172,10 @@ impl Search {
     }
 
     /// Puts each part in a box that holds all that it may touch half-way.
-    fn box_parts(&mut self, place: &Place, motion_mm: impl Fn(u32) -> f64) {
+    fn box_parts(&mut self, place: &Place) {
         let at = |vertex: u32| place.positions_mm[vertex as usize];
+        let motions_mm = &self.motion_mm;
+        let motion_mm = |vertex: u32| motions_mm[vertex as usize];
         let half_mm = 0.5 * place.thickness_mm;
         let &Place { surface, .. } = place;
         let point_boxes = surface
@@ -170,13 +185,13 @@ impl Search {
         self.point_boxes.clear();
         self.point_boxes.extend(point_boxes);
         let edge_boxes = surface.edges.iter().map(|edge| {
-            let [a, b] = edge.map(&motion_mm);
+            let [a, b] = edge.map(motion_mm);
             Box3::around(edge.map(at), half_mm + a.max(b))
         });
         self.edge_boxes.clear();
         self.edge_boxes.extend(edge_boxes);
         let face_boxes = surface.faces.iter().map(|face| {
-            let [a, b, c] = face.map(&motion_mm);
+            let [a, b, c] = face.map(motion_mm);
             Box3::around(face.map(at), half_mm + a.max(b).max(c))
         });
         self.face_boxes.clear();
@@ -201,8 +216,18 @@ pub fn longest_mm(motion_mm: &[Vec3]) -> f64 {
         .sqrt()
 }
 
-/// The most that the ends of an edge move against each other [mm].
-fn stretch_mm(edges: &[[u32; 2]], motion_mm: &[Vec3]) -> f64 {
-    let against = |&[a, b]: &[u32; 2]| (motion_mm[a as usize] - motion_mm[b as usize]).norm_squared();
-    edges.iter().map(against).fold(0.0, f64::max).sqrt()
+/// Raises what of each face is the most that its corners move against each other [mm], shape `[face]`, and tells the largest for these
+/// motions.
+fn stretch(faces: &[[u32; 3]], motion_mm: &[Vec3], stretch_mm: &mut [f64]) -> f64 {
+    let mut largest_squared = 0.0_f64;
+    for (&face, stretch_mm) in faces.iter().zip(stretch_mm) {
+        let [a, b, c] = face.map(|vertex| motion_mm[vertex as usize]);
+        let squared = (a - b)
+            .norm_squared()
+            .max((b - c).norm_squared())
+            .max((c - a).norm_squared());
+        largest_squared = largest_squared.max(squared);
+        *stretch_mm = stretch_mm.max(squared.sqrt());
+    }
+    largest_squared.sqrt()
 }

@@ -22,6 +22,8 @@ pub(super) struct Listing {
 #[derive(Clone, Copy, Debug)]
 struct Listed {
     pair: Pair,
+    /// The face of each part, where [`Listing::gather`] is told how near they may have come by faces.
+    faces: [u32; 2],
     /// Distance less activation distance when listed [mm].
     slack_mm: f64,
 }
@@ -46,6 +48,7 @@ impl Listing {
         &mut self,
         place: &Place,
         (kind, vertices, area_mm2): (PairKind, [u32; 4], f64),
+        faces: [u32; 2],
         are_near_at_rest: bool,
         most_mm: f64,
     ) {
@@ -62,7 +65,11 @@ impl Listing {
             .norm_squared();
         if squared <= limit_mm * limit_mm {
             let slack_mm = squared.sqrt() - activation_mm;
-            self.listed.push(Listed { pair, slack_mm });
+            self.listed.push(Listed {
+                pair,
+                faces,
+                slack_mm,
+            });
         }
     }
 
@@ -72,7 +79,7 @@ impl Listing {
         &mut self,
         place: &Place,
         step_mm: &[Vec3],
-        measure_mm: impl Fn(&[Vec3]) -> f64,
+        mut measure_mm: impl FnMut(&[Vec3]) -> f64,
     ) -> f64 {
         if self.listed_at_mm.len() != place.positions_mm.len() {
             return f64::INFINITY;
@@ -86,10 +93,19 @@ impl Listing {
         measure_mm(&self.start_mm).max(measure_mm(&self.end_mm))
     }
 
-    /// Gathers the pairs that may touch during the step followed last, given how much nearer any may have come [mm].
-    pub(super) fn gather(&mut self, place: &Place, step_mm: &[Vec3], most_mm: f64, found: &mut Vec<Pair>) {
-        let near = self.listed.iter_mut().filter(|listed| listed.slack_mm <= most_mm);
-        for Listed { pair, slack_mm } in near {
+    /// Gathers the pairs that may touch during the step followed last, given how much nearer parts of two faces may have come [mm].
+    pub(super) fn gather(
+        &mut self,
+        place: &Place,
+        step_mm: &[Vec3],
+        most_mm: impl Fn([u32; 2]) -> f64,
+        found: &mut Vec<Pair>,
+    ) {
+        let near = self
+            .listed
+            .iter_mut()
+            .filter(|listed| listed.slack_mm <= most_mm(listed.faces));
+        for Listed { pair, slack_mm, .. } in near {
             let is_bridged = |motion_mm: &[Vec3]| {
                 approach_squared_mm2(pair.kind, &pair.vertices, motion_mm) >= *slack_mm * *slack_mm
             };

@@ -1,9 +1,11 @@
 //! Contact between mid-surfaces: what may touch, how near it is, and the penalty that keeps it apart.
 //!
 //! * [`surface`]: the triangles that can touch, with their edges, constant while relaxing.
+//! * [`patches`]: what lies side by side, in patches of eight.
 //! * [`broad`]: sweep and prune over boxes.
 //! * [`nearest`]: closest points of point-triangle and edge-edge pairs.
 //! * [`pairs`]: two parts and where they begin to touch.
+//! * `reach`: which of many pairs are in reach of each other.
 //! * [`gather`]: which pairs may touch during a step.
 //! * `listing`: a list of pairs that holds for more than one step.
 //! * [`touch`]: the pairs that do touch, and how their closest points slide and fade.
@@ -23,7 +25,9 @@ pub mod gather;
 mod listing;
 pub mod nearest;
 pub mod pairs;
+pub mod patches;
 pub mod penalty;
+mod reach;
 pub mod step_bound;
 pub mod surface;
 pub mod tangle;

@@ -62,31 +62,16 @@ pub(super) fn nearest_at(kind: PairKind, vertices: &[u32; 4], positions_mm: &[Ve
     }
 }
 
-/// Whether two parts are farther apart than `reach_mm` along the line between their middles, by more than rounding; then they are
-/// so altogether. False tells nothing.
-///
-/// A plane across a direction m separates two parts by the gap between what they reach along m, over |m|.
-#[inline]
-pub(super) fn are_beyond(kind: PairKind, vertices: &[u32; 4], positions_mm: &[Vec3], reach_mm: f64) -> bool {
-    let [a, b, c, d] = vertices.map(|vertex| positions_mm[vertex as usize]);
-    let (direction, gap) = match kind {
-        PairKind::PointTriangle => {
-            let direction = (b + c + d) * (1.0 / 3.0) - a;
-            let height = |point: Vec3| direction.dot(&(point - a));
-            (direction, height(b).min(height(c)).min(height(d)))
+impl PairKind {
+    /// The corners of one part and of the other, each with each.
+    #[inline(always)]
+    pub(super) fn across(self) -> &'static [[usize; 2]] {
+        match self {
+            Self::PointTriangle => &[[0, 1], [0, 2], [0, 3]],
+            Self::EdgeEdge => &[[0, 2], [0, 3], [1, 2], [1, 3]],
         }
-        PairKind::EdgeEdge => {
-            let direction = (c - a) + (d - b);
-            let height = |point: Vec3| direction.dot(&(point - a));
-            (direction, height(c).min(height(d)) - height(b).max(0.0))
-        }
-    };
-    gap > 0.0 && gap * gap > BEYOND * direction.norm_squared() * reach_mm * reach_mm
+    }
 }
-
-/// How much farther than in reach they must be, by the square [1], our choice: rounding changes a gap by some 1e-15 of the edges'
-/// length, a millionth of this where edges are as long as the reach, and no pair in reach must be lost to it.
-const BEYOND: f64 = 1.0 + 1e-9;
 
 /// The square of how much nearer two parts come by these motions, at most [mm²].
 ///
@@ -95,13 +80,8 @@ const BEYOND: f64 = 1.0 + 1e-9;
 #[inline]
 pub(super) fn approach_squared_mm2(kind: PairKind, vertices: &[u32; 4], motion_mm: &[Vec3]) -> f64 {
     let m = vertices.map(|vertex| &motion_mm[vertex as usize]);
-    let against = |i: usize, j: usize| (m[i] - m[j]).norm_squared();
-    match kind {
-        PairKind::PointTriangle => against(0, 1).max(against(0, 2)).max(against(0, 3)),
-        PairKind::EdgeEdge => against(0, 2)
-            .max(against(0, 3))
-            .max(against(1, 2).max(against(1, 3))),
-    }
+    let against = |&[i, j]: &[usize; 2]| (m[i] - m[j]).norm_squared();
+    kind.across().iter().map(against).fold(0.0, f64::max)
 }
 
 /// Where contact is looked for.
@@ -214,39 +194,5 @@ fn parallel_limit_mm4(kind: PairKind, rest: &[Vec3; 4]) -> f64 {
     match kind {
         PairKind::PointTriangle => 0.0,
         PairKind::EdgeEdge => 1e-3 * (rest[1] - rest[0]).norm_squared() * (rest[3] - rest[2]).norm_squared(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::test_numbers::Numbers;
-
-    /// What is told to be beyond reach is; of 20,000 pairs some edges apart nine of ten that are beyond it are told.
-    #[test]
-    fn what_is_beyond_reach_is_farther() {
-        let mut numbers = Numbers(1);
-        let quads: Vec<Vec<Vec3>> = (0..20_000).map(|_| numbers.vectors(4)).collect();
-        for (kind, first_count) in [(PairKind::PointTriangle, 1), (PairKind::EdgeEdge, 2)] {
-            let (mut told, mut farther) = (0, 0);
-            for quad in &quads {
-                let points: [Vec3; 4] = std::array::from_fn(|k| {
-                    let apart_mm = if k < first_count { 0.0 } else { 2.0 };
-                    quad[k] + Vec3::x() * apart_mm
-                });
-                let vertices = [0, 1, 2, 3];
-                let distance_mm = nearest_at(kind, &vertices, &points).separation_mm.norm();
-                for reach_mm in [0.5, 0.9999 * distance_mm, 1.0001 * distance_mm] {
-                    let is_told = are_beyond(kind, &vertices, &points, reach_mm);
-                    assert!(
-                        !is_told || distance_mm > reach_mm,
-                        "{kind:?} {points:?} {reach_mm}"
-                    );
-                }
-                told += usize::from(are_beyond(kind, &vertices, &points, 0.5));
-                farther += usize::from(distance_mm > 0.5);
-            }
-            assert!(10 * told > 9 * farther, "{kind:?}: {told} of {farther}");
-        }
     }
 }

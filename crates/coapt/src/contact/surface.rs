@@ -1,6 +1,7 @@
 //! The triangles that can touch each other, with their edges, constant while relaxing.
 
 use super::pairs::PairKind;
+use super::patches::Patches;
 use crate::Vec3;
 
 /// A triangle mesh prepared for contact.
@@ -18,15 +19,33 @@ pub struct Surface {
     pub mean_edge_mm: f64,
     /// A ball around each face at rest: centre [mm] and radius [mm], shape `[face]`.
     pub rest_balls: Vec<(Vec3, f64)>,
-    /// Pairs without a common vertex whose faces (the point's, the triangle; the two edges') share one: kind, vertices, area
-    /// [mm²].
-    pub neighbour_pairs: Vec<(PairKind, [u32; 4], f64)>,
+    /// Pairs without a common vertex whose faces (the point's, the triangle; the two edges') share one.
+    pub neighbour_pairs: Vec<NeighbourPair>,
     /// The vertices of faces, each once.
     pub points: Vec<u32>,
+    /// Those vertices, edges and faces, each kind in patches of neighbours at rest.
+    pub point_patches: Patches,
+    /// See [`Self::point_patches`].
+    pub edge_patches: Patches,
+    /// See [`Self::point_patches`].
+    pub face_patches: Patches,
     /// The first face of each vertex, [`NO_FACE`] without one, shape `[vertex]`.
     pub vertex_face: Vec<u32>,
     /// The first face of each edge, shape `[edge]`.
     pub edge_face: Vec<u32>,
+}
+
+/// Two parts of faces that share a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NeighbourPair {
+    /// What meets what.
+    pub kind: PairKind,
+    /// The four vertices.
+    pub vertices: [u32; 4],
+    /// The area that the pair stands for [mm²].
+    pub area_mm2: f64,
+    /// The face of each part.
+    pub faces: [u32; 2],
 }
 
 /// In place of a face, where there is none.
@@ -70,6 +89,11 @@ impl Surface {
         surface.mean_edge_mm =
             surface.edges.iter().map(length).sum::<f64>() / surface.edges.len().max(1) as f64;
         surface.rest_balls = faces.iter().map(|face| ball(face, rest_mm)).collect();
+        let places = |places: &mut dyn Iterator<Item = Vec3>| Patches::new(&places.collect::<Vec<Vec3>>());
+        let at = |vertex: u32| rest_mm[vertex as usize];
+        surface.point_patches = places(&mut surface.points.iter().map(|&point| at(point)));
+        surface.edge_patches = places(&mut surface.edges.iter().map(|&[a, b]| (at(a) + at(b)) / 2.0));
+        surface.face_patches = places(&mut surface.rest_balls.iter().map(|(centre, _)| *centre));
         surface.find_neighbours(&face_edges, rest_mm.len());
         surface
     }
@@ -148,19 +172,24 @@ impl Surface {
     }
 
     /// Pairs of which one part has the first of two faces for its own, the other the second.
-    fn pairs_of_faces(
-        &self,
-        f: u32,
-        g: u32,
-        face_edges: &[[usize; 3]],
-        found: &mut Vec<(PairKind, [u32; 4], f64)>,
-    ) {
+    fn pairs_of_faces(&self, f: u32, g: u32, face_edges: &[[usize; 3]], found: &mut Vec<NeighbourPair>) {
+        let mut push = |kind: PairKind, vertices: [u32; 4], area_mm2: f64| {
+            found.push(NeighbourPair {
+                kind,
+                vertices,
+                area_mm2,
+                faces: [f, g],
+            });
+        };
         for (one, other) in [(f, g), (g, f)] {
             let [a, b, c] = self.faces[other as usize];
             for vertex in self.faces[one as usize] {
                 if self.vertex_face[vertex as usize] == one && ![a, b, c].contains(&vertex) {
-                    let area_mm2 = self.point_area_mm2(vertex);
-                    found.push((PairKind::PointTriangle, [vertex, a, b, c], area_mm2));
+                    push(
+                        PairKind::PointTriangle,
+                        [vertex, a, b, c],
+                        self.point_area_mm2(vertex),
+                    );
                 }
             }
         }
@@ -173,7 +202,7 @@ impl Surface {
                 let ([a, b], [c, d]) = (self.edges[first], self.edges[second]);
                 if a != c && a != d && b != c && b != d {
                     let area_mm2 = self.edge_pair_area_mm2([first as u32, second as u32]);
-                    found.push((PairKind::EdgeEdge, [a, b, c, d], area_mm2));
+                    push(PairKind::EdgeEdge, [a, b, c, d], area_mm2);
                 }
             }
         }

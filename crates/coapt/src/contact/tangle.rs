@@ -46,7 +46,10 @@ pub fn tangles(surface: &Surface, positions_mm: &[Vec3]) -> Vec<Tangle> {
         .map(|edge| Box3::around(edge.map(at), 0.5 * LEAST_GAP_MM))
         .collect();
     let mut sweep = SweepAndPrune::default();
-    for &pair in &*sweep.between(&point_boxes, &face_boxes) {
+    for &pair in &*sweep.between(
+        [&point_boxes, &face_boxes],
+        [&surface.point_patches, &surface.face_patches],
+    ) {
         let [p, a, b, c] = surface.point_and_face(pair);
         if surface.are_apart(surface.faces_of_point(pair))
             && touch(point_triangle(&at(p), &at(a), &at(b), &at(c)).separation_mm)
@@ -57,7 +60,7 @@ pub fn tangles(surface: &Surface, positions_mm: &[Vec3]) -> Vec<Tangle> {
             });
         }
     }
-    for &pair in &*sweep.among(&edge_boxes) {
+    for &pair in &*sweep.among(&edge_boxes, &surface.edge_patches) {
         let [a, b, c, d] = surface.ends(pair);
         if surface.are_apart(surface.faces_of_edges(pair))
             && touch(edge_edge(&at(a), &at(b), &at(c), &at(d)).separation_mm)
