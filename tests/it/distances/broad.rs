@@ -228,7 +228,7 @@ fn sweep_and_prune_misses_nothing_whatever_the_boxes() {
                 .map(|&[i, j]| [i.min(j), i.max(j)]),
         );
         let between = each_once(
-            between(&mut sweep, ones, others)
+            told_between(&mut sweep, ones, others)
                 .iter()
                 .map(|&[i, j]| [i, j + 170]),
         );

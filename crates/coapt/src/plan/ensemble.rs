@@ -86,6 +86,10 @@ const LARGEST_MM: f64 = 10.0;
 /// Harmonics of the annulus' error along its length, our choice: shifts, tilts, widths and the saddle's height are wrong, single
 /// points are not.
 const HARMONICS: u32 = 3;
+/// Samples are closed to this residual [1], or to the valve's own where that is larger. Of 300 samples, 60 of each preset at 650 faces, no
+/// orifice came out by more than 0.01 mm² otherwise than at 1e-6, no coaptation length at A2-P2 by more than 0.01 mm; a tenth of the
+/// iterations is saved.
+const SAMPLE_TOLERANCE: f64 = 1e-3;
 /// Valves whose orifice is below this count as sealed [mm²].
 pub const SEALED_BELOW_MM2: f64 = SMALL_MM2;
 
@@ -186,7 +190,9 @@ pub fn ensemble(
         ..Settings::default()
     };
     let sample = |number: u32| {
-        let varied = varied(model, uncertainty, seed, number);
+        let mut varied = varied(model, uncertainty, seed, number);
+        let tolerance = &mut varied.settings.residual_tolerance;
+        *tolerance = tolerance.max(SAMPLE_TOLERANCE);
         let applied = apply_all(&varied, repairs)?;
         let start = Start {
             closed: start,
