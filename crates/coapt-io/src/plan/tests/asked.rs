@@ -6,6 +6,41 @@ use coapt::search::{Found, Tried};
 
 use super::*;
 
+/// Folds that a repair brings are told, where there are enough of them and the valve is certified.
+#[test]
+fn folds_that_a_repair_brings_are_told() {
+    let mut compared = compared();
+    let folds_of = |compared: &Compared| text(&report(compared)).matches("FOLDS:").count();
+    assert_eq!(folds_of(&compared), 0);
+    let coaptation = |compared: &mut Compared, mm2: f64| {
+        let outcome = compared.comparison.rows[0].result.as_mut().unwrap();
+        outcome.measures.coaptation.self_contact_area_mm2 = mm2;
+    };
+    let before_mm2 = compared
+        .comparison
+        .before
+        .measures
+        .coaptation
+        .self_contact_area_mm2;
+    coaptation(&mut compared, before_mm2 + 24.0);
+    assert_eq!(folds_of(&compared), 0);
+    coaptation(&mut compared, before_mm2 + 40.0);
+    let told = text(&report(&compared));
+    let words = format!(
+        "FOLDS: a leaflet touches itself over {:.0} mm²",
+        before_mm2 + 40.0
+    );
+    assert!(told.contains(&words), "{told}");
+    assert!(told.lines().all(|line| line.chars().count() <= 100), "{told}");
+    compared.comparison.rows[0]
+        .result
+        .as_mut()
+        .unwrap()
+        .certificate
+        .stable = false;
+    assert_eq!(folds_of(&compared), 0);
+}
+
 /// The open valve has a column, its openings and gradient a line, CSV and JSON its numbers; what is not certified has none.
 #[test]
 fn the_open_valve_is_told_where_it_is_certified() {
