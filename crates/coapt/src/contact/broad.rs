@@ -150,7 +150,11 @@ impl Lanes {
     /// One of the boxes: lower ends, upper ends.
     #[inline(always)]
     fn of(&self, lane: usize) -> [[f32; 3]; 2] {
-        [0, 1].map(|end| [0, 1, 2].map(|axis| [&self.low, &self.high][end][axis][lane]))
+        let Self { low, high } = self;
+        [
+            [low[0][lane], low[1][lane], low[2][lane]],
+            [high[0][lane], high[1][lane], high[2][lane]],
+        ]
     }
 
     /// How far each of them is from another box along the axis where it is farthest: not above zero where they overlap.
