@@ -31,8 +31,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let beside = arguments.result.join(RECORDING);
     match &arguments.recording {
         Some(recording) => add_film(&mut page, recording)?,
-        // Nobody asked for it: it may be of an earlier run.
-        None if beside.is_file() => {
+        // Nobody asked for it: it may be of an earlier run. A page of a plan shows no film.
+        None if beside.is_file() && page.plan.is_none() => {
             if let Err(faults) = add_film(&mut page, &beside) {
                 tell(&faults);
                 say("the page is made without a film");

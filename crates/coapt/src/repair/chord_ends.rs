@@ -98,12 +98,14 @@ fn on_leaflet(model: &Model, leaflet: u32, point: [f64; 3], place: &str) -> Resu
         ));
     }
     insertion_near(model, leaflet, at, REACH_MM).ok_or_else(|| {
-        let away = |v: usize| (model.rest_mm[v] - at).norm();
-        let nearest = (0..model.leaflet_vertex_count).map(away).fold(f64::INFINITY, f64::min);
+        let away = |&v: &u32| (model.rest_mm[v as usize] - at).norm();
+        let faces = model.faces.iter().zip(&model.face_leaflet);
+        let of_leaflet = faces.filter(|(_, of)| **of == leaflet).flat_map(|(face, _)| face);
+        let nearest = of_leaflet.map(away).fold(f64::INFINITY, f64::min);
         let name = &model.leaflets[leaflet as usize].name;
         let message = format!(
-            "is ({x}, {y}, {z}) mm, expected a place within {REACH_MM} mm of the {name} leaflet when open; the nearest vertex \
-             of the valve is {nearest:.1} mm away"
+            "is ({x}, {y}, {z}) mm, expected a place within {REACH_MM} mm of the {name} leaflet when open; its nearest vertex \
+             is {nearest:.1} mm away"
         );
         Fault::of_shape(place, message)
     })
