@@ -51,7 +51,8 @@ pub struct SweepAndPrune {
 }
 
 /// Width of a strip in mean widths of the boxes around patches [1]. What lies on a seam is in two strips; in a wide one the sweep meets many
-/// that are far off. From 1 to 4 the time hardly changes.
+/// that are far off. The edges of the closed healthy valve took 70 µs at 650 faces and 680 at 2600, at 1 instead of 2 109 and 944, at 4
+/// 104 and 683, each the least of 200 on a machine that was not quiet.
 const STRIP_WIDTH: f64 = 2.0;
 
 impl SweepAndPrune {
@@ -173,6 +174,7 @@ impl Lanes {
     }
 }
 
+/// One instruction; `f32::max` also minds what is not a number.
 #[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

@@ -167,6 +167,7 @@ fn tell<const IS_POINT: bool>(corners_mm: &Vectors, reach_mm: &[f64; COUNT], are
     }
 }
 
+/// One instruction, as [`smaller`]; `f64::max` also minds what is not a number.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
