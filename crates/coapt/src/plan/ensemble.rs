@@ -12,7 +12,7 @@ use crate::measure::agreement::SMALL_MM2;
 use crate::measure::statistics::percentile;
 use crate::mesh::polyline;
 use crate::model::Model;
-use crate::scene::{Fault, Repair};
+use crate::scene::{Fault, Repair, Tissue};
 use crate::state::State;
 
 /// What is not known of a valve, as standard deviations of normal distributions; beyond three of them nothing is drawn.
@@ -213,6 +213,10 @@ pub fn varied(model: &Model, uncertainty: &Uncertainty, seed: u64, number: u32) 
     // The order of draws is part of what a seed means.
     model.pressure_mpa *= normal.factor(uncertainty.pressure);
     let knee = normal.factor(uncertainty.transition_strain);
+    // What cuts a leaflet, or makes a coarse mesh of it, makes its springs anew of the tissue.
+    for leaflet in &mut model.leaflets {
+        scale_transition_strain(&mut leaflet.tissue, knee);
+    }
     let springs = &mut model.springs;
     for (rest_mm, transition_mm) in springs
         .rest_length_mm
@@ -233,6 +237,24 @@ pub fn varied(model: &Model, uncertainty: &Uncertainty, seed: u64, number: u32) 
     }
     move_annulus(&mut model, uncertainty.annulus_mm, &mut normal);
     model
+}
+
+/// Makes springs stiffen at so many times their strain; membranes keep their laws.
+fn scale_transition_strain(tissue: &mut Tissue, factor: f64) {
+    match tissue {
+        Tissue::BilinearSprings {
+            transition_strain, ..
+        } => *transition_strain *= factor,
+        Tissue::AnisotropicSprings {
+            circumferential,
+            radial,
+            ..
+        } => {
+            circumferential.transition_strain *= factor;
+            radial.transition_strain *= factor;
+        }
+        Tissue::StVenantKirchhoff { .. } | Tissue::Exponential { .. } | Tissue::MayNewman { .. } => {}
+    }
 }
 
 /// A sum of harmonics along the annulus, each with the same expected square, that add up to the standard deviation.

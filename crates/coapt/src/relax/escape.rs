@@ -7,8 +7,6 @@ use crate::Vec3;
 use crate::contact::touch::touches;
 use crate::energy::Curvature;
 
-/// Relative residual of the solutions that eigenvalues are found from [1].
-const EIGEN_TOLERANCE: f64 = 1e-5;
 /// Shifts that make the tangent definite are sought in steps of this factor [1].
 const SHIFT_RISE: f64 = 2.0;
 /// How far it then pushes, as a part of the longest step [1].
@@ -30,18 +28,37 @@ impl Newton<'_> {
         if self.system.factorise(self.least_damping) {
             return true;
         }
-        let mut shift = SHIFT_RISE * self.least_damping;
+        let shift = self.factorise_with_least_shift();
+        // Eigenvalues of zero stand in the way of others, and take no part: K + σM keeps the weight of what has them.
+        let mut weight_mm2 = self.system.weight_mm2.clone();
+        for (weight, stiffness) in weight_mm2.iter_mut().zip(self.system.own_stiffness()) {
+            if stiffness <= self.least_damping * *weight {
+                *weight = 0.0;
+            }
+        }
+        let system = &mut self.system;
+        let solve = |right: &mut [Vec3]| {
+            system.solve_unsymmetric(positions, system.damping, right, stability::TOLERANCE);
+        };
+        let start = (0..weight_mm2.len()).map(pseudo_random).collect();
+        // What has hardly any stiffness has eigenvalues of zero, less what the solution leaves of the shift.
+        let zero = self.least_damping + stability::TOLERANCE * shift;
+        stability::least_real_part(solve, &weight_mm2, shift, start) > -zero
+    }
+
+    /// Factorises the tangent with the first of some rising dampings, from twice the least one, that makes its symmetric part positive
+    /// definite. It is sought from where the last steps found it, upwards or downwards.
+    fn factorise_with_least_shift(&mut self) -> f64 {
+        let first = SHIFT_RISE * self.least_damping;
+        let rises = (self.factor_damping / first).log(SHIFT_RISE).ceil().max(0.0);
+        let mut shift = first * SHIFT_RISE.powf(rises);
+        while shift > first && self.system.factorise(shift / SHIFT_RISE) {
+            shift /= SHIFT_RISE;
+        }
         while !self.system.factorise(shift) {
             shift *= SHIFT_RISE;
         }
-        let weight_mm2 = self.system.weight_mm2.clone();
-        let system = &mut self.system;
-        let solve =
-            |right: &mut [Vec3]| system.solve_unsymmetric(positions, system.damping, right, EIGEN_TOLERANCE);
-        let start = (0..weight_mm2.len()).map(pseudo_random).collect();
-        // What has no stiffness at all has eigenvalues of zero, less what the solution leaves of the shift.
-        let zero = self.least_damping + EIGEN_TOLERANCE * shift;
-        stability::least_real_part(solve, &weight_mm2, shift, start) > -zero
+        shift
     }
 
     /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in

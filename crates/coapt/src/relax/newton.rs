@@ -116,7 +116,7 @@ pub(super) struct Newton<'a> {
     damping: f64,
     exact_damping: f64,
     /// The first of the dampings tried that made the last exact tangent positive definite.
-    factor_damping: f64,
+    pub(super) factor_damping: f64,
     /// Minus the force on each vertex where the valve now is [N], shape `[vertex]`.
     pub(super) gradient: Vec<Vec3>,
     pub(super) trial_gradient: Vec<Vec3>,

@@ -18,7 +18,7 @@ use crate::scene::Fault;
 const TOLERANCE: f64 = 1e-8;
 /// Chordae with less tension than this many times the largest force left on a vertex count as slack [1], our choice.
 const SLACK_TOLERANCES: f64 = 10.0;
-/// GMRES begins anew this often at most; presets need one or two beginnings.
+/// Solutions begin anew this often at most; presets need one or two beginnings.
 const RESTARTS: usize = 20;
 
 /// Two models on either side of the one that was closed, which differ in one parameter.

@@ -89,6 +89,7 @@ impl<'a> System<'a> {
         mut moved: Option<Moved>,
     ) {
         let (model, free_index) = (self.model, &self.free_index);
+        self.krylov.forget();
         self.elastic
             .fill(model, free_index, positions, curvature, &mut moved);
         if !self.add_up(touches, positions, curvature, &mut moved) {
@@ -156,9 +157,17 @@ impl<'a> System<'a> {
         self.elastic_slots = self.elastic.matrix.slots_in(&self.matrix);
     }
 
+    /// Size of what the tangent answers to a motion of each free vertex alone [N/mm], shape `[free]`.
+    pub(super) fn own_stiffness(&self) -> impl Iterator<Item = f64> {
+        let block = |free: usize| self.matrix.slot(free as u32, free as u32);
+        let stiffness = move |free| block(free).map_or(0.0, |slot| self.matrix.blocks[slot].norm());
+        (0..self.free.len()).map(stiffness)
+    }
+
     /// Factorises with a damping; false unless the matrix is positive definite.
     pub(super) fn factorise(&mut self, damping: f64) -> bool {
         self.damping = damping;
+        self.krylov.forget();
         for (shift, weight) in self.shift.iter_mut().zip(&self.weight_mm2) {
             *shift = damping * weight;
         }
@@ -173,7 +182,8 @@ impl<'a> System<'a> {
     }
 
     /// Solves with the true tangent and a damping, in place: the symmetric tangent, of which the factor is near, plus what
-    /// pressure on the free margin adds.
+    /// pressure on the free margin adds. What one solution has found serves the next: between two assemblies or factorisations all
+    /// are for the same positions and damping.
     pub(super) fn solve_unsymmetric(
         &mut self,
         positions: &[Vec3],

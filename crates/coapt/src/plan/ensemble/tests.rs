@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use super::super::Progress;
 use super::*;
+use crate::coarsen::coarsen;
 use crate::mesh::parametric::{Preset, ValveParameters, generate};
 
 fn small() -> Model {
@@ -85,6 +86,15 @@ fn every_sample_is_a_valve_of_its_own() {
     let drawn: Vec<u64> = drawn.collect();
     let different: std::collections::BTreeSet<u64> = drawn.iter().copied().collect();
     assert_eq!(different.len(), drawn.len());
+}
+
+/// Its springs are those of its tissues, so that coarse meshes of it, and what is left of cut leaflets, stiffen as it does.
+#[test]
+fn a_sample_is_of_its_tissues() {
+    let model = small();
+    let sample = varied(&model, &Uncertainty::default(), 7, 3);
+    assert_ne!(sample.springs, model.springs);
+    assert!(coarsen(&sample, model.leaflet_vertex_count / 2).is_some());
 }
 
 /// Neighbours of the annulus move alike: the third harmonic turns by some tens of degrees from one point to the next.
