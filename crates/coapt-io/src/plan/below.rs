@@ -1,14 +1,18 @@
-//! Lines below the row of a closed valve: the ring as it lies, neochordae that are slack, the open valve, what flows back, an ensemble, rates.
+//! Lines below the row of a closed valve: the ring as it lies, how long neochordae are and which are slack, the open valve, what flows back, an ensemble, rates.
 
 use std::collections::BTreeMap;
 
+use coapt::measure::coaptation::FOLDS_FROM_MM2;
 use coapt::measure::flow::HARDLY_OPENS_MM2;
 use coapt::plan::Criterion;
 use coapt::plan::ensemble::SEALED_BELOW_MM2;
 
 use super::words::{Words, words};
 use super::{Closed, Open, Rate, Sampled, Sensitivities};
-use crate::report::{NOT_CERTIFIED, extent_words, number, orifice_doubt, reasons, slack_line, slack_mark};
+use crate::report::{
+    NOT_CERTIFIED, RepairReport, extent_words, number, orifice_doubt, reasons, repair_line, slack_line,
+    slack_mark,
+};
 
 /// All lines of a closed valve; `before` is the valve as it is, for one after repair.
 pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
@@ -34,6 +38,7 @@ pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
             .as_ref()
             .map(|laid| format!("ring as laid: {}", extent_words(laid))),
     );
+    lines.extend(closed.carried_out.iter().filter_map(of_chosen_length));
     let slack = closed.slack_neochordae.iter();
     lines.extend(slack.map(|slack| format!("{}: {}", slack_mark(slack), slack_line(slack))));
     let open_before = before.and_then(|before| before.diastole.as_ref());
@@ -42,10 +47,6 @@ pub(crate) fn lines(closed: &Closed, before: Option<&Closed>) -> Vec<String> {
     lines.extend(closed.sensitivities.as_ref().map(of_rates).unwrap_or_default());
     lines
 }
-
-/// Contact of a leaflet with itself that a repair brings is told from here on [mm²], our choice: of 90 rings of 24 to 40 mm on the five
-/// presets at 650 faces those that add more are twelve in Barlow's valve; the most elsewhere is 22, in `flail`.
-const FOLDS_FROM_MM2: f64 = 25.0;
 
 /// Whether a repair leaves tissue in excess, which folds; coaptation, longer for it, does not tell.
 fn of_folds(closed: &Closed, before: &Closed) -> Option<String> {
@@ -58,6 +59,14 @@ fn of_folds(closed: &Closed, before: &Closed) -> Option<String> {
             number(before_mm2, 0)
         )
     })
+}
+
+/// How long the strands of a neochord are whose length nobody gave: what is to be cut to.
+fn of_chosen_length(carried_out: &RepairReport) -> Option<String> {
+    match carried_out {
+        RepairReport::Neochord(neochord) if neochord.depth_mm.is_some() => Some(repair_line(carried_out)),
+        _ => None,
+    }
 }
 
 /// What stands beside a valve that seals by hardly opening, whatever its rank.

@@ -29,7 +29,7 @@ use coapt::repair::{Report, RingExtent};
 use coapt::scene::{Contact, Fault, MMHG_MPA, Repair, Settings};
 use serde::{Deserialize, Serialize};
 
-use crate::report::{MeshSize, NOTICE};
+use crate::report::{MeshSize, NOTICE, RepairReport, repair_report};
 use crate::scene::{Alternatives, locate, sentence};
 
 pub use carry_out::{OnStage, Stage, carry_out, filmed};
@@ -164,6 +164,9 @@ pub struct Closed {
     /// How large the ring is where it lies, along its own axes; absent without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ring_laid: Option<RingExtent>,
+    /// What each repair did, as in `result.json`, shape `[repair]`.
+    #[serde(default)]
+    pub carried_out: Vec<RepairReport>,
     /// Neochordae that hold nothing back, or of which some strands do not, each with the number of its repair from 0; of a certified
     /// shape only. With nothing but such a neochord, the row is the valve as it was.
     #[serde(default)]
@@ -348,6 +351,7 @@ fn closed(outcome: &Outcome) -> Closed {
         },
         measures: outcome.measures.clone(),
         ring_laid: outcome.repairs.iter().find_map(laid),
+        carried_out: outcome.repairs.iter().map(repair_report).collect(),
         slack_neochordae: match outcome.is_certified() {
             true => outcome.slack_neochordae.clone(),
             false => Vec::new(),

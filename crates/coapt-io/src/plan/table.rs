@@ -138,8 +138,9 @@ fn flat(closed: Option<&Closed>) -> BTreeMap<String, f64> {
     let Some(Ok(Value::Object(mut whole))) = closed.map(serde_json::to_value) else {
         return BTreeMap::new();
     };
-    // Has columns of its own.
+    // Has columns of its own; what repairs did differs from row to row.
     whole.remove("solve");
+    whole.remove("carried_out");
     // How many hold nothing at all: their names differ from row to row.
     let idle = |closed: &Closed| {
         closed

@@ -12,8 +12,7 @@ use coapt::repair;
 use coapt::scene::{Contact, Fault, MMHG_MPA, Settings};
 use serde::{Deserialize, Serialize};
 
-use repairs::repair_report;
-pub(crate) use repairs::{extent_words, repair_line, slack_line, slack_mark};
+pub(crate) use repairs::{extent_words, repair_line, repair_report, slack_line, slack_mark};
 
 pub use repairs::{RepairReport, RingFigures};
 pub use rows::{TableRow, rows, rows_of};

@@ -71,7 +71,7 @@ pub struct RingFigures {
     pub tilt_deg: f64,
 }
 
-pub(super) fn repair_report(report: &repair::Report) -> RepairReport {
+pub(crate) fn repair_report(report: &repair::Report) -> RepairReport {
     match report {
         repair::Report::Ring(ring) => RepairReport::Ring(ring_figures(ring)),
         repair::Report::Clip(clip) => RepairReport::Clip(clip.clone()),
@@ -110,6 +110,7 @@ pub(super) fn joins_edges(repair: &RepairReport) -> bool {
     matches!(repair, RepairReport::Clip(_) | RepairReport::Alfieri(_))
 }
 
+/// What a repair did, in a line.
 pub(crate) fn repair_line(repair: &RepairReport) -> String {
     match repair {
         RepairReport::Ring(ring) => ring_line(ring),

@@ -187,6 +187,31 @@ fn neochordae_that_hold_nothing_back_are_told() {
     assert!(!text(&self::report(&compared)).contains("SLACK"));
 }
 
+/// Who gives no length has to know what was chosen: the row says it, and not where the length stands in the plan. The files have it
+/// either way, beside all that other repairs did.
+#[test]
+fn a_length_that_was_chosen_is_told() {
+    let plan = "schema_version = 1\n[[alternative]]\n[[alternative.repair]]\nkind = \"neochord\"\nleaflet = \"posterior\"\n\
+                site = \"A2P2\"\n[[alternative]]\n[[alternative.repair]]\nkind = \"neochord\"\nleaflet = \"posterior\"\n\
+                site = \"A2P2\"\nlength_mm = 10\n";
+    let report = report(&compared_with(plan, false));
+    let strung = |number: usize| {
+        let row = report.alternatives.iter().find(|row| row.number == number);
+        let closed = row.unwrap().closed.clone().unwrap();
+        let [RepairReport::Neochord(neochord)] = &closed.carried_out[..] else {
+            panic!("{:?}", closed.carried_out);
+        };
+        (neochord.length_mm.clone(), below::lines(&closed, None))
+    };
+    let (chosen_mm, told) = strung(1);
+    let words = format!("{:.1} to ", chosen_mm[0].min(chosen_mm[1]));
+    let told: Vec<&String> = told.iter().filter(|line| line.contains("strands from tip")).collect();
+    assert!(matches!(told[..], [line] if line.contains(&words)), "{told:?} {words}");
+    let (given_mm, told) = strung(2);
+    assert!(given_mm.iter().all(|length_mm| *length_mm == 10.0), "{given_mm:?}");
+    assert!(!told.iter().any(|line| line.contains("strands from tip")), "{told:?}");
+}
+
 /// A ring is told by its own figures below its row and in the files: those of the annulus do not let its size be recognised.
 #[test]
 fn the_ring_is_told_as_it_lies() {
