@@ -286,7 +286,8 @@ class Neochord(RepairData):
     inset_mm : float, optional
         How far from the margin they are sewn [mm]. Default: 0.0.
     length_mm : float, optional
-        Unloaded length from the tip to the leaflet [mm].
+        Unloaded length from the tip to the leaflet [mm]. Must be there beside ``point_mm``, where
+        none is estimated.
     muscle : str, optional
         Name of the papillary muscle; absent: that of the nearest tip.
     point_mm : Vector, optional

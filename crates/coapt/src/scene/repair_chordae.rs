@@ -36,7 +36,7 @@ pub struct Neochord {
     /// chordae. Strands to a point of their own all go there.
     #[serde(default = "default_spread_mm")]
     pub spread_mm: f64,
-    /// Unloaded length from the tip to the leaflet [mm].
+    /// Unloaded length from the tip to the leaflet [mm]. Must be there beside `point_mm`, where none is estimated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_mm: Option<f64>,
     /// Instead of a length, how far below the plane of the closed annulus the margin is to end [mm]; a geometric estimate.

@@ -129,7 +129,7 @@ fn read(
     document.expand(&name, text)?;
     let mut files = Files::new("plan", folder_of(path), Space::LPS, u32::MAX);
     let search = document.search.take();
-    for (key, message) in &document.repeated {
+    for (key, message) in &document.warnings {
         files.warning(key, message);
     }
     let mut made = alternatives(document, &mut files);

@@ -1,5 +1,8 @@
 //! The text of a plan as repairs with their lists and ranges, every fault with its line.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
 use coapt::plan::Criterion;
 use coapt::scene::{Fault, Repair};
 use serde::Deserialize;
@@ -28,8 +31,8 @@ pub(super) struct Document {
     /// Whether the plan leaves it to us to compute the open valve: it neither says so nor what ranks.
     pub(super) leaves_diastole: bool,
     pub(super) search: Option<SearchKeys>,
-    /// Values that lists have twice, each with its key in the file and what is done about it.
-    pub(super) repeated: Vec<(String, String)>,
+    /// What is done otherwise than the file says, each with its key there.
+    pub(super) warnings: Vec<(String, String)>,
 }
 
 /// Repairs one after the other.
@@ -143,13 +146,13 @@ pub(super) fn document(file: &str, text: &str) -> Result<Document, Vec<Fault>> {
     if !faults.is_empty() {
         return Err(refused(file, text, &faults));
     }
-    let mut repeated = Vec::new();
+    let mut warnings = doubts(&read);
     for place in &mut places {
         let of = place.sweeps.fold().into_iter();
-        repeated.extend(of.map(|(key, message)| (format!("{}.{key}", place.key), message)));
+        warnings.extend(of.map(|(key, message)| (format!("{}.{key}", place.key), message)));
     }
     Ok(Document {
-        repeated,
+        warnings,
         ..grouped(read, places)
     })
 }
@@ -185,6 +188,42 @@ fn unusable(read: &PlanOfOne) -> Vec<Fault> {
     faults
 }
 
+/// What is done otherwise than it says, keys and messages.
+fn doubts(read: &PlanOfOne) -> Vec<(String, String)> {
+    let mut doubts = Vec::new();
+    if read.diastole == Some(false) && ranks_open(read) {
+        let message = format!(
+            "is false, but `ranking.criteria` has `{}`: open valves are computed",
+            Criterion::DiastolicOrifice.name()
+        );
+        doubts.push(("diastole".to_owned(), message));
+    }
+    let mut first = BTreeMap::new();
+    for (number, alternative) in read.alternative.iter().enumerate() {
+        let Some(name) = &alternative.name else {
+            continue;
+        };
+        match first.entry(name) {
+            Entry::Vacant(entry) => {
+                entry.insert(number);
+            }
+            Entry::Occupied(entry) => doubts.push((
+                format!("alternative[{number}].name"),
+                format!(
+                    "is `{name}`, as that of alternative[{}]; tables tell them apart by a number behind it",
+                    entry.get()
+                ),
+            )),
+        }
+    }
+    doubts
+}
+
+fn ranks_open(read: &PlanOfOne) -> bool {
+    let criteria = read.ranking.as_ref().map(|ranking| &ranking.criteria);
+    criteria.is_some_and(|criteria| criteria.contains(&Criterion::DiastolicOrifice))
+}
+
 /// What is wrong with criteria.
 fn doubt(criteria: &[Criterion]) -> Option<String> {
     let twice = (1..criteria.len()).find(|&i| criteria[..i].contains(&criteria[i]));
@@ -202,6 +241,7 @@ fn doubt(criteria: &[Criterion]) -> Option<String> {
 }
 
 fn grouped(read: PlanOfOne, places: Vec<Place>) -> Document {
+    let ranks_open = ranks_open(&read);
     let mut places = places.into_iter();
     let mut block = |name: Option<String>, count: usize| Block {
         name,
@@ -214,14 +254,13 @@ fn grouped(read: PlanOfOne, places: Vec<Place>) -> Document {
         blocks.push(Block::default());
     }
     let criteria = read.ranking.map(|ranking| ranking.criteria);
-    let ranks_open = |criteria: &Vec<Criterion>| criteria.contains(&Criterion::DiastolicOrifice);
     Document {
         name: read.name,
         common,
         blocks,
         asked: Asked {
             // What ranks is computed.
-            diastole: read.diastole == Some(true) || criteria.as_ref().is_some_and(ranks_open),
+            diastole: read.diastole == Some(true) || ranks_open,
             sensitivities: read.sensitivities,
             warm: read.warm,
             sampling: read.uncertainty.map(|keys| sampling(&keys).0),
@@ -229,7 +268,7 @@ fn grouped(read: PlanOfOne, places: Vec<Place>) -> Document {
         },
         leaves_diastole: read.diastole.is_none() && criteria.is_none(),
         search: read.search,
-        repeated: Vec::new(),
+        warnings: Vec::new(),
         criteria,
     }
 }

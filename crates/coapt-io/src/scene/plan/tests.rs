@@ -89,6 +89,29 @@ fn what_is_there_twice_is_closed_once_and_told() {
     assert_eq!((made.alternatives.len(), told.len()), (2, 0));
 }
 
+/// What is done otherwise than a plan says is told with its line: a name that is there twice, open valves that it refuses and ranks by.
+#[test]
+fn what_is_done_otherwise_is_told() {
+    let text = format!(
+        "{START}diastole = false\n[ranking]\ncriteria = [\"orifice\", \"diastolic_orifice\"]\n[[alternative]]\nname = \"a\"\n\
+         {RING}size_mm = 28\n[[alternative]]\nname = \"a\"\n{RING}size_mm = 30\n"
+    );
+    let read = |text: &str| alternatives_from_text(Path::new("p.toml"), text, 10).unwrap();
+    let (made, warnings) = read(&text);
+    let told: Vec<String> = warnings.iter().map(super::super::sentence).collect();
+    assert_eq!(
+        told,
+        [
+            "p.toml:3: diastole is false, but `ranking.criteria` has `diastolic_orifice`: open valves are computed",
+            "p.toml:13: alternative[1].name is `a`, as that of alternative[0]; tables tell them apart by a number behind it",
+        ]
+    );
+    assert!(made.asked.diastole);
+    assert_eq!(names(&made), ["a", "a (2)"]);
+    let (made, warnings) = read(&text.replace(", \"diastolic_orifice\"", "").replacen("\"a\"", "\"b\"", 1));
+    assert_eq!((made.asked.diastole, warnings.len()), (false, 0));
+}
+
 /// Lists multiply; the first key changes most slowly; each alternative begins with the common repairs.
 #[test]
 fn lists_make_the_product_in_order_with_names() {
@@ -234,6 +257,17 @@ fn points_and_curves_are_no_lists_of_values() {
     assert!(
         wrong[0].contains("p.toml:6") && wrong[0].contains("invalid type: string"),
         "{wrong:?}"
+    );
+    // A list of values in the place of one coordinate is told where it stands.
+    let wrong = faults(
+        "[[alternative]]\n[[alternative.repair]]\nkind = \"relocate-papillary\"\nmuscle = \"anterolateral\"\nby_mm = [0, 0, [2, 4]]\n",
+    );
+    assert_eq!(
+        wrong,
+        [
+            "p.toml:7: alternative[0].repair[0].by_mm has numbers beside lists; expected one list of numbers, such as [0, 0, 4], or a \
+             list of such lists"
+        ]
     );
 }
 
