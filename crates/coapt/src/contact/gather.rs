@@ -7,9 +7,8 @@
 
 use super::broad::{Box3, SweepAndPrune};
 use super::listing::Listing;
-use super::pairs::{Pair, PairKind, Place, approach_squared_mm2, pair_at_rest};
+use super::pairs::{Pair, PairKind, Parts, Place, approach_squared_mm2};
 use super::reach::Batch;
-use super::surface::NO_FACE;
 use crate::Vec3;
 
 /// The pairs that may touch, kept from step to step.
@@ -50,9 +49,8 @@ impl PairList {
             let ahead_mm = NEIGHBOUR_AHEAD * stretch(faces, step_mm, stretch_mm);
             let budget_mm = (LASTING_BUDGET * place.thickness_mm).max(ahead_mm);
             listing.begin(place.positions_mm, budget_mm);
-            for pair in &place.surface.neighbour_pairs {
-                let parts = (pair.kind, pair.vertices, pair.area_mm2);
-                listing.list(place, parts, pair.faces, true, 2.0 * budget_mm);
+            for parts in &place.surface.neighbour_pairs {
+                listing.list(place, parts, 2.0 * budget_mm);
             }
             // From here on they have moved by the step alone.
             listing.follow(place, step_mm, |_| 0.0);
@@ -77,10 +75,9 @@ impl PairList {
             let motion_mm = &mut self.search.motion_mm;
             motion_mm.clear();
             motion_mm.resize(place.positions_mm.len(), budget_mm);
-            self.search
-                .within(place, (most_mm, None), |parts, are_near_at_rest| {
-                    listing.list(place, parts, [NO_FACE; 2], are_near_at_rest, most_mm)
-                });
+            self.search.within(place, (most_mm, None), |parts| {
+                listing.list(place, &parts, most_mm)
+            });
             moved_mm = listing.follow(place, step_mm, longest_mm);
         }
         listing.gather(place, step_mm, |_| 2.0 * moved_mm, found);
@@ -107,27 +104,26 @@ impl Search {
         self.motion_mm.clear();
         self.motion_mm
             .extend(step_mm.iter().map(|step| (step - mean_mm).norm()));
-        self.within(place, (0.0, Some(step_mm)), |parts, are_near_at_rest| {
-            let (kind, vertices, area_mm2) = parts;
-            if are_near_at_rest {
-                let pair = pair_at_rest(place, kind, vertices, area_mm2);
+        self.within(place, (0.0, Some(step_mm)), |parts| {
+            if place.are_near_at_rest(parts.faces) {
+                let pair = place.pair_at_rest(&parts);
                 if may_touch(&pair, place.positions_mm, step_mm) {
                     found.push(pair);
                 }
             } else {
-                found.push(place.pair_of_strangers(kind, vertices, area_mm2));
+                found.push(place.pair_of_strangers(&parts));
             }
         });
     }
 
-    /// Visits pairs, those whose faces share a vertex left out: kind, vertices, area [mm²], and whether their faces are near at rest. All are
+    /// Visits pairs of parts, those whose faces share a vertex left out. All are
     /// among them that may be within the thickness after each vertex has moved by `self.motion_mm` and the two parts have come nearer
     /// by so much [mm] and by what a step brings; nine of ten others are not.
     fn within(
         &mut self,
         place: &Place,
         (nearer_mm, step_mm): (f64, Option<&[Vec3]>),
-        mut visit: impl FnMut((PairKind, [u32; 4], f64), bool),
+        mut visit: impl FnMut(Parts),
     ) {
         self.box_parts(place);
         let surface = place.surface;
@@ -149,12 +145,12 @@ impl Search {
         );
         for &pair in &*near {
             let vertices = surface.point_and_face(pair);
-            let parts = (
-                PairKind::PointTriangle,
+            visit(Parts {
+                kind: PairKind::PointTriangle,
                 vertices,
-                surface.point_area_mm2(vertices[0]),
-            );
-            visit(parts, place.are_near_at_rest(surface.faces_of_point(pair)));
+                area_mm2: surface.point_area_mm2(vertices[0]),
+                faces: surface.faces_of_point(pair),
+            });
         }
         let near = self.sweep.among(&self.edge_boxes, &surface.edge_patches);
         self.batch
@@ -162,12 +158,12 @@ impl Search {
                 reach(surface.ends(pair), surface.faces_of_edges(pair))
             });
         for &pair in &*near {
-            let parts = (
-                PairKind::EdgeEdge,
-                surface.ends(pair),
-                surface.edge_pair_area_mm2(pair),
-            );
-            visit(parts, place.are_near_at_rest(surface.faces_of_edges(pair)));
+            visit(Parts {
+                kind: PairKind::EdgeEdge,
+                vertices: surface.ends(pair),
+                area_mm2: surface.edge_pair_area_mm2(pair),
+                faces: surface.faces_of_edges(pair),
+            });
         }
     }
 

@@ -1,7 +1,7 @@
 //! A list of pairs that holds for more than one step.
 
 use super::gather::may_touch;
-use super::pairs::{Pair, PairKind, Place, approach_squared_mm2, nearest_at, pair_at_rest, unseen};
+use super::pairs::{Pair, Parts, Place, approach_squared_mm2, nearest_at, unseen};
 use crate::Vec3;
 
 /// Pairs, and how the vertices have moved since they were listed.
@@ -22,7 +22,7 @@ pub(super) struct Listing {
 #[derive(Clone, Copy, Debug)]
 struct Listed {
     pair: Pair,
-    /// The face of each part, where [`Listing::gather`] is told how near they may have come by faces.
+    /// The face of each part.
     faces: [u32; 2],
     /// Distance less activation distance when listed [mm].
     slack_mm: f64,
@@ -44,30 +44,20 @@ impl Listing {
     /// Lists a pair if it has no more than some slack. Where neighbours at rest begin to touch is found when they are first
     /// looked at; until then it counts as the farthest that they may.
     #[inline]
-    pub(super) fn list(
-        &mut self,
-        place: &Place,
-        (kind, vertices, area_mm2): (PairKind, [u32; 4], f64),
-        faces: [u32; 2],
-        are_near_at_rest: bool,
-        most_mm: f64,
-    ) {
-        let (pair, activation_mm) = match are_near_at_rest {
-            true => (unseen(kind, vertices, area_mm2), place.longest_of_neighbours_mm()),
-            false => (
-                place.pair_of_strangers(kind, vertices, area_mm2),
-                place.thickness_mm,
-            ),
+    pub(super) fn list(&mut self, place: &Place, parts: &Parts, most_mm: f64) {
+        let (pair, activation_mm) = match place.are_near_at_rest(parts.faces) {
+            true => (unseen(parts), place.longest_of_neighbours_mm()),
+            false => (place.pair_of_strangers(parts), place.thickness_mm),
         };
         let limit_mm = activation_mm + most_mm;
-        let squared = nearest_at(kind, &vertices, place.positions_mm)
+        let squared = nearest_at(parts.kind, &parts.vertices, place.positions_mm)
             .separation_mm
             .norm_squared();
         if squared <= limit_mm * limit_mm {
             let slack_mm = squared.sqrt() - activation_mm;
             self.listed.push(Listed {
                 pair,
-                faces,
+                faces: parts.faces,
                 slack_mm,
             });
         }
@@ -105,13 +95,23 @@ impl Listing {
             .listed
             .iter_mut()
             .filter(|listed| listed.slack_mm <= most_mm(listed.faces));
-        for Listed { pair, slack_mm, .. } in near {
+        for Listed {
+            pair,
+            faces,
+            slack_mm,
+        } in near
+        {
             let is_bridged = |motion_mm: &[Vec3]| {
                 approach_squared_mm2(pair.kind, &pair.vertices, motion_mm) >= *slack_mm * *slack_mm
             };
             if *slack_mm <= 0.0 || is_bridged(&self.end_mm) || is_bridged(&self.start_mm) {
                 if pair.activation_mm == 0.0 {
-                    *pair = pair_at_rest(place, pair.kind, pair.vertices, pair.area_mm2);
+                    *pair = place.pair_at_rest(&Parts {
+                        kind: pair.kind,
+                        vertices: pair.vertices,
+                        area_mm2: pair.area_mm2,
+                        faces: *faces,
+                    });
                     *slack_mm += place.longest_of_neighbours_mm() - pair.activation_mm;
                 }
                 if may_touch(pair, place.positions_mm, step_mm) {

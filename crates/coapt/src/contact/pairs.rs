@@ -13,7 +13,20 @@ pub enum PairKind {
     EdgeEdge,
 }
 
-/// Two parts of the surface that share no vertex.
+/// Two parts of the surface that share no vertex, and where they belong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parts {
+    /// What meets what.
+    pub kind: PairKind,
+    /// The four vertices.
+    pub vertices: [u32; 4],
+    /// The area that the pair stands for [mm²].
+    pub area_mm2: f64,
+    /// The face of each part.
+    pub faces: [u32; 2],
+}
+
+/// Two parts, and where they begin to touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// What meets what.
@@ -137,15 +150,32 @@ impl Place<'_> {
 
     /// A pair that is far apart at rest.
     #[inline]
-    pub(super) fn pair_of_strangers(&self, kind: PairKind, vertices: [u32; 4], area_mm2: f64) -> Pair {
-        let at_rest = corners(&vertices, self.rest_mm);
+    pub(super) fn pair_of_strangers(&self, parts: &Parts) -> Pair {
+        self.pair(parts, self.thickness_mm)
+    }
+
+    /// A pair whose faces are near at rest: where it begins to touch is decided by its unloaded shape.
+    pub(super) fn pair_at_rest(&self, parts: &Parts) -> Pair {
+        let rest_distance = nearest_at(parts.kind, &parts.vertices, self.rest_mm)
+            .separation_mm
+            .norm();
+        // Never zero, which marks pairs of which it is not known yet.
+        let activation_mm = self
+            .longest_of_neighbours_mm()
+            .min(NEIGHBOUR_FRACTION * rest_distance)
+            .max(f64::MIN_POSITIVE);
+        self.pair(parts, activation_mm)
+    }
+
+    #[inline]
+    fn pair(&self, parts: &Parts, activation_mm: f64) -> Pair {
         Pair {
-            kind,
-            vertices,
-            activation_mm: self.thickness_mm,
-            rigid_mm: self.rigid_fraction * self.thickness_mm,
-            area_mm2,
-            parallel_limit_mm4: parallel_limit_mm4(kind, &at_rest),
+            kind: parts.kind,
+            vertices: parts.vertices,
+            activation_mm,
+            rigid_mm: self.rigid_fraction * activation_mm,
+            area_mm2: parts.area_mm2,
+            parallel_limit_mm4: parallel_limit_mm4(parts.kind, &corners(&parts.vertices, self.rest_mm)),
         }
     }
 }
@@ -158,33 +188,14 @@ const MOST_RIGID: f64 = 0.95;
 /// compression of the tissue by a third still is, and a fold is stopped before it closes.
 const NEIGHBOUR_FRACTION: f64 = 0.5;
 /// A pair of which it is not known yet where it begins to touch.
-pub(super) fn unseen(kind: PairKind, vertices: [u32; 4], area_mm2: f64) -> Pair {
+pub(super) fn unseen(parts: &Parts) -> Pair {
     Pair {
-        kind,
-        vertices,
+        kind: parts.kind,
+        vertices: parts.vertices,
         activation_mm: 0.0,
         rigid_mm: 0.0,
-        area_mm2,
+        area_mm2: parts.area_mm2,
         parallel_limit_mm4: 0.0,
-    }
-}
-
-/// A pair with what its unloaded shape decides.
-pub(super) fn pair_at_rest(place: &Place, kind: PairKind, vertices: [u32; 4], area_mm2: f64) -> Pair {
-    let at_rest = corners(&vertices, place.rest_mm);
-    let rest_distance = nearest_at(kind, &vertices, place.rest_mm).separation_mm.norm();
-    // Never zero, which marks pairs of which it is not known yet.
-    let activation_mm = place
-        .longest_of_neighbours_mm()
-        .min(NEIGHBOUR_FRACTION * rest_distance)
-        .max(f64::MIN_POSITIVE);
-    Pair {
-        kind,
-        vertices,
-        activation_mm,
-        rigid_mm: place.rigid_fraction * activation_mm,
-        area_mm2,
-        parallel_limit_mm4: parallel_limit_mm4(kind, &at_rest),
     }
 }
 

@@ -1,6 +1,6 @@
 //! The triangles that can touch each other, with their edges, constant while relaxing.
 
-use super::pairs::PairKind;
+use super::pairs::{PairKind, Parts};
 use super::patches::Patches;
 use crate::Vec3;
 
@@ -20,7 +20,7 @@ pub struct Surface {
     /// A ball around each face at rest: centre [mm] and radius [mm], shape `[face]`.
     pub rest_balls: Vec<(Vec3, f64)>,
     /// Pairs without a common vertex whose faces (the point's, the triangle; the two edges') share one.
-    pub neighbour_pairs: Vec<NeighbourPair>,
+    pub neighbour_pairs: Vec<Parts>,
     /// The vertices of faces, each once.
     pub points: Vec<u32>,
     /// Those vertices, edges and faces, each kind in patches of neighbours at rest.
@@ -33,19 +33,6 @@ pub struct Surface {
     pub vertex_face: Vec<u32>,
     /// The first face of each edge, shape `[edge]`.
     pub edge_face: Vec<u32>,
-}
-
-/// Two parts of faces that share a vertex.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NeighbourPair {
-    /// What meets what.
-    pub kind: PairKind,
-    /// The four vertices.
-    pub vertices: [u32; 4],
-    /// The area that the pair stands for [mm²].
-    pub area_mm2: f64,
-    /// The face of each part.
-    pub faces: [u32; 2],
 }
 
 /// In place of a face, where there is none.
@@ -172,9 +159,9 @@ impl Surface {
     }
 
     /// Pairs of which one part has the first of two faces for its own, the other the second.
-    fn pairs_of_faces(&self, f: u32, g: u32, face_edges: &[[usize; 3]], found: &mut Vec<NeighbourPair>) {
+    fn pairs_of_faces(&self, f: u32, g: u32, face_edges: &[[usize; 3]], found: &mut Vec<Parts>) {
         let mut push = |kind: PairKind, vertices: [u32; 4], area_mm2: f64| {
-            found.push(NeighbourPair {
+            found.push(Parts {
                 kind,
                 vertices,
                 area_mm2,

@@ -109,7 +109,9 @@ fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
 }
 
 fn add_scaled(to: &mut [Vec3], factor: f64, from: &[Vec3]) {
-    to.iter_mut().zip(from).for_each(|(to, from)| *to += from * factor);
+    to.iter_mut()
+        .zip(from)
+        .for_each(|(to, from)| *to += from * factor);
 }
 
 #[cfg(test)]

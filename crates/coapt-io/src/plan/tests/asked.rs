@@ -205,11 +205,23 @@ fn a_length_that_was_chosen_is_told() {
     };
     let (chosen_mm, told) = strung(1);
     let words = format!("{:.1} to ", chosen_mm[0].min(chosen_mm[1]));
-    let told: Vec<&String> = told.iter().filter(|line| line.contains("strands from tip")).collect();
-    assert!(matches!(told[..], [line] if line.contains(&words)), "{told:?} {words}");
+    let told: Vec<&String> = told
+        .iter()
+        .filter(|line| line.contains("strands from tip"))
+        .collect();
+    assert!(
+        matches!(told[..], [line] if line.contains(&words)),
+        "{told:?} {words}"
+    );
     let (given_mm, told) = strung(2);
-    assert!(given_mm.iter().all(|length_mm| *length_mm == 10.0), "{given_mm:?}");
-    assert!(!told.iter().any(|line| line.contains("strands from tip")), "{told:?}");
+    assert!(
+        given_mm.iter().all(|length_mm| *length_mm == 10.0),
+        "{given_mm:?}"
+    );
+    assert!(
+        !told.iter().any(|line| line.contains("strands from tip")),
+        "{told:?}"
+    );
 }
 
 /// A ring is told by its own figures below its row and in the files: those of the annulus do not let its size be recognised.

@@ -108,7 +108,11 @@ fn what_is_done_otherwise_is_told() {
     );
     assert!(made.asked.diastole);
     assert_eq!(names(&made), ["a", "a (2)"]);
-    let (made, warnings) = read(&text.replace(", \"diastolic_orifice\"", "").replacen("\"a\"", "\"b\"", 1));
+    let (made, warnings) = read(
+        &text
+            .replace(", \"diastolic_orifice\"", "")
+            .replacen("\"a\"", "\"b\"", 1),
+    );
     assert_eq!((made.asked.diastole, warnings.len()), (false, 0));
 }
 
