@@ -6,7 +6,7 @@
 //!
 //! What is left of the right-hand side is the least that these products allow, as with generalised minimal residuals (Saad &
 //! Schultz 1986), but the directions can be kept: the next solution with the same matrix begins with the best that they allow.
-//! Fifty solutions to 1e-5 that an eigenvalue of a healthy valve under a ring of 30 mm takes need 150 products instead of 680.
+//! Twenty valves like the healthy one under a ring of 30 mm took 176 products each instead of 520, most of them for eigenvalues.
 
 use crate::Vec3;
 
