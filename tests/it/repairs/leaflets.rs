@@ -53,6 +53,29 @@ fn a_triangle_out_of_the_flail_segment_lowers_the_orifice() {
     assert_balanced("flail, triangular resection", &cut, &after.equilibrium);
 }
 
+/// The mid-section of a valve resected at its middle runs along the seam, between its edges: 98, 144 and 98 mm² were told of seams at
+/// 0.49, 0.50 and 0.51 of the margin, of equal volumes. A tenth is what the places themselves may differ by.
+#[test]
+fn the_mid_section_does_not_fall_through_a_seam() {
+    let model = preset(Preset::Flail);
+    let tenting = [0.49, 0.5, 0.51].map(|position| {
+        let deed = Resect {
+            site: None,
+            position: Some(position),
+            ..resect(ResectionShape::Triangular, 12.0)
+        };
+        let (cut, _) = resected(&model, deed);
+        closed("flail, triangle beside the middle", &cut).measures.tenting
+    });
+    println!("{tenting:?}");
+    for one in &tenting {
+        assert!(
+            (one.area_mm2 / tenting[0].area_mm2 - 1.0).abs() < 0.1,
+            "{tenting:?}"
+        );
+    }
+}
+
 #[test]
 fn a_quadrangle_out_of_the_flail_segment_lowers_the_orifice() {
     let model = preset(Preset::Flail);
@@ -151,6 +174,24 @@ fn a_cut_leaves_no_slivers() {
             println!("{shape:?} {width_mm}: {least} {}", least_deg(&model));
             assert!(least > 4.0, "{shape:?} {width_mm} mm: {least} degrees");
         }
+    }
+}
+
+/// Nobody cuts out half of a margin: it can be done, and is doubted.
+#[test]
+fn a_resection_far_wider_than_usual_is_doubted() {
+    let model = preset(Preset::Flail);
+    for (width_mm, expected) in [(22.0, None), (23.0, Some("is 23 mm, expected about 8 to 15"))] {
+        let cut = done(
+            &model,
+            &Repair::Resect(resect(ResectionShape::Triangular, width_mm)),
+        );
+        let told = cut.warnings.first().map(|fault| fault.message.as_str());
+        assert_eq!(told.is_some(), expected.is_some(), "{told:?}");
+        assert!(
+            told.unwrap_or_default().starts_with(expected.unwrap_or_default()),
+            "{told:?}"
+        );
     }
 }
 

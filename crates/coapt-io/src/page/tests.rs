@@ -173,6 +173,7 @@ fn plan_page(folder: &Path, change: impl Fn(&mut Comparison)) -> (PlanReport, St
     report.before.uncertainty = Some(Sampled {
         samples: 8,
         certified: 6,
+        in_doubt: 2,
         refused: 1,
         sealed,
         intervals: BTreeMap::from([("coaptation_length".to_owned(), lengths)]),
@@ -283,7 +284,7 @@ fn what_hardly_opens_is_marked_on_the_page() {
     let html = plain(&html);
     assert!(html.contains("HARDLY OPENS: through 6 mm², under 50, no gradient is told</li>"));
     assert!(html.contains(
-        "<li>partly slack: repair[3], neochord <P2>: 1 of 2 strands bear less than 0.01 N in the closed valve</li>"
+        "<li>partly slack: repair[3], neochord <P2>: 1 of 2 strands bears less than 0.01 N in the closed valve</li>"
     ));
 }
 

@@ -108,6 +108,7 @@ fn of_sampled(sampled: &Sampled) -> Vec<String> {
     let Sampled {
         samples,
         certified,
+        in_doubt,
         refused,
         ..
     } = sampled;
@@ -143,6 +144,11 @@ fn of_sampled(sampled: &Sampled) -> Vec<String> {
     });
     let ranges: Vec<String> = ranges.collect();
     lines.push(format!("median (nine of ten): {}", ranges.join(", ")));
+    if *in_doubt > 0 {
+        lines.push(format!(
+            "of {certified} valves {in_doubt} leave their orifice in doubt: more can pass between the surfaces than margins bound, or far less"
+        ));
+    }
     let lost = samples - certified - refused;
     if lost + refused > 0 {
         lines.push(format!(

@@ -65,6 +65,9 @@ pub struct Sampled {
     pub samples: usize,
     /// Those that closed with a certificate.
     pub certified: usize,
+    /// Those of them whose margins and narrowest passage tell otherwise of what is open.
+    #[serde(default)]
+    pub in_doubt: usize,
     /// Those whose repairs could not be carried out.
     pub refused: usize,
     /// Part of the certified ones that seal, with the interval (Wilson's, 95 %) that so few leave for its probability [1].
@@ -80,6 +83,7 @@ impl Sampled {
         Self {
             samples: summary.samples,
             certified: summary.certified,
+            in_doubt: summary.in_doubt,
             refused: summary.refused,
             sealed: summary.sealed,
             intervals: intervals

@@ -199,7 +199,8 @@ pub(crate) fn slack_line(slack: &SlackNeochord) -> String {
             "repair[{repair}], {name}: no strand bears {SLACK_BELOW_N} N or more in the closed valve, which closes as without it"
         ),
         false => format!(
-            "repair[{repair}], {name}: {slack_strands} of {strands} strands bear less than {SLACK_BELOW_N} N in the closed valve"
+            "repair[{repair}], {name}: {slack_strands} of {strands} strands {} less than {SLACK_BELOW_N} N in the closed valve",
+            if *slack_strands == 1 { "bears" } else { "bear" }
         ),
     }
 }

@@ -28,6 +28,14 @@ pub(super) fn free_margins(model: &Model, s: &Surface) -> Vec<Margin> {
     model.margins.iter().map(of_margin).collect()
 }
 
+/// Whether some leaflet is sewn to itself.
+pub(super) fn has_seams(model: &Model, s: &Surface) -> bool {
+    model
+        .margins
+        .iter()
+        .any(|margin| !seams(model, s, margin).is_empty())
+}
+
 /// A seam on a margin, by places counted along it, beyond its end if it is closed.
 #[derive(Clone, Copy, Debug)]
 struct Seam {

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::annulus::{annulus_curve, plane_of};
 use super::plane::{AnnularPlane, edges_closed};
 use super::raster::Raster;
+use super::sewn::has_seams;
 use super::surface::Surface;
 use crate::Vec3;
 use crate::model::Model;
@@ -19,7 +20,7 @@ pub struct TentingMeasures {
     /// Greatest depth below the annular surface [mm].
     pub height_mm: f64,
     /// In the section through mid-anterior and mid-posterior annulus, normal to the annular plane: the area between
-    /// the line that joins the two and the leaflets below it [mm²].
+    /// the line that joins the two and the leaflets below it [mm²]. A seam in it is closed.
     pub area_mm2: f64,
     /// Volume between the annular surface and the leaflets below it [mL].
     pub volume_ml: f64,
@@ -74,7 +75,8 @@ fn at_pixel(model: &Model, s: &Surface, pixel_mm: f64) -> (TentingMeasures, Bill
         billow.height_mm = f64::max(billow.height_mm, above);
         billow.volume_ml += above.max(0.0) * pixel_ml;
     }
-    tenting.area_mm2 = section_area(model, s, &plane, &local);
+    let seen = has_seams(model, s).then_some(&top);
+    tenting.area_mm2 = section_area(model, s, &plane, &local, seen);
     (tenting, billow)
 }
 
@@ -93,7 +95,15 @@ fn fields(curve: &[Vec3], s: &Surface, local: &[Vec3], pixel_mm: f64, slit_mm: f
     (fan, top)
 }
 
-fn section_area(model: &Model, s: &Surface, plane: &AnnularPlane, local: &[Vec3]) -> f64 {
+/// Where a leaflet is sewn to itself, the section may run between the edges of the seam, past all of that leaflet: what lies deeper by
+/// more than the contact thickness than what is `seen` from the atrium, slits closed, is not the uppermost there.
+fn section_area(
+    model: &Model,
+    s: &Surface,
+    plane: &AnnularPlane,
+    local: &[Vec3],
+    seen: Option<&Raster>,
+) -> f64 {
     let mark = |index: usize| {
         model
             .annulus
@@ -113,7 +123,16 @@ fn section_area(model: &Model, s: &Surface, plane: &AnnularPlane, local: &[Vec3]
         return 0.0;
     }
     let width = length / SECTION_COLUMNS as f64;
-    let top = section_heights(s, local, from, to);
+    let mut top = section_heights(s, local, from, to);
+    if let Some(seen) = seen {
+        for (column, top) in top.iter_mut().enumerate() {
+            let place = from.lerp(&to, (column as f64 + 0.5) / SECTION_COLUMNS as f64);
+            let seen = seen.height_at(place.x, place.y);
+            *top = seen
+                .filter(|seen| seen - *top > model.contact.thickness_mm)
+                .unwrap_or(*top);
+        }
+    }
     let depth = |(i, top): (usize, f64)| {
         let line = from.z + (to.z - from.z) * (i as f64 + 0.5) / SECTION_COLUMNS as f64;
         (line - top).max(0.0)

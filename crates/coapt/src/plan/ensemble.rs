@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{Outcome, Refusal, Settings, Start, Watch, apply_all, closed};
 use crate::Vec3;
 use crate::measure::Measures;
-use crate::measure::agreement::SMALL_MM2;
+use crate::measure::agreement::{Agreement, SMALL_MM2};
 use crate::measure::statistics::percentile;
 use crate::mesh::polyline;
 use crate::model::Model;
@@ -145,6 +145,13 @@ impl Ensemble {
         })
     }
 
+    /// How many certified samples leave in doubt how much is open: margins and passage tell otherwise
+    /// ([`OrificeMeasures::agreement`](crate::measure::OrificeMeasures::agreement)).
+    pub fn in_doubt(&self) -> usize {
+        let doubted = |measures: &&Measures| measures.orifice.agreement() != Agreement::Fair;
+        self.certified().filter(doubted).count()
+    }
+
     /// How probable it is that the valve seals: that its orifice is below [`SEALED_BELOW_MM2`]. None where no sample is certified.
     pub fn probability_sealed(&self) -> Option<Probability> {
         let sealed = self
@@ -186,10 +193,7 @@ pub fn ensemble(
     start: Option<&State>,
     watch: Watch,
 ) -> Ensemble {
-    let settings = Settings {
-        passage: false,
-        ..Settings::default()
-    };
+    let settings = Settings::default();
     let sample = |number: u32| {
         let mut varied = varied(model, uncertainty, seed, number);
         let tolerance = &mut varied.settings.residual_tolerance;

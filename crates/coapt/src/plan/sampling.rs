@@ -41,6 +41,8 @@ pub struct Summary {
     pub samples: usize,
     /// Those that closed with a certificate: all figures are theirs.
     pub certified: usize,
+    /// Those of them whose margins and narrowest passage tell otherwise of what is open.
+    pub in_doubt: usize,
     /// Those whose repairs could not be carried out.
     pub refused: usize,
     /// How probable it is that the valve seals; none without a certified sample.
@@ -63,6 +65,7 @@ impl Summary {
         Self {
             samples: ensemble.samples.len(),
             certified: ensemble.certified().count(),
+            in_doubt: ensemble.in_doubt(),
             refused: ensemble.samples.iter().filter(|sample| sample.is_err()).count(),
             sealed: ensemble.probability_sealed(),
             intervals: closed.filter_map(interval).collect(),

@@ -111,9 +111,20 @@ fn resected(model: &Model, deed: &Resect) -> Result<Repaired, Fault> {
             annulus_mm,
             sewn,
         }),
-        warnings: Vec::new(),
+        warnings: doubt(deed.shape, piece.width_mm).into_iter().collect(),
     })
 }
+
+/// A piece far wider than surgeons cut out: what is left may close, but hardly as a leaflet.
+fn doubt(shape: ResectionShape, width_mm: f64) -> Option<Fault> {
+    let [from, to] = shape.usual_width_mm();
+    let message =
+        || format!("is {width_mm} mm, expected about {from} to {to}: little of the leaflet is left to move");
+    (width_mm > FAR_WIDER * to).then(|| Fault::warning("resect.width_mm", message()))
+}
+
+/// A width so many times the largest usual one is doubted [1], our choice.
+const FAR_WIDER: f64 = 1.5;
 
 fn piece(model: &Model, deed: &Resect) -> Result<Piece, Fault> {
     let width_mm = deed.width_mm.unwrap_or(deed.shape.width_mm());

@@ -61,7 +61,15 @@ pub enum ResectionShape {
 }
 
 impl ResectionShape {
-    /// Width at the margin if nobody says [mm]: 10 of the usual 8 to 15, and 15 of the usual 10 to 20 (our choice).
+    /// Usual widths at the margin, from and to [mm].
+    pub fn usual_width_mm(self) -> [f64; 2] {
+        match self {
+            Self::Triangular => [8.0, 15.0],
+            Self::Quadrangular => [10.0, 20.0],
+        }
+    }
+
+    /// Width at the margin if nobody says [mm], within the usual ones (our choice).
     pub fn width_mm(self) -> f64 {
         match self {
             Self::Triangular => 10.0,

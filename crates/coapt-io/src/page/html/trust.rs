@@ -2,6 +2,7 @@
 
 use coapt::measure::{OrificeMeasures, SlackNeochord};
 use serde::Deserialize;
+use serde_json::Value;
 
 use super::{doubt, word};
 use crate::page::{Page, PageState, Seals};
@@ -22,16 +23,24 @@ pub(super) fn trust(page: &Page) -> String {
     let of_alternatives = page.report["alternatives"].as_array().into_iter().flatten();
     let warnings = std::iter::once(&page.report)
         .chain(of_alternatives)
-        .filter_map(|told| told["warnings"].as_array());
-    let warnings = warnings
-        .flatten()
-        .filter_map(|text| text.as_str().map(str::to_owned));
+        .flat_map(|told| warnings(told, told["name"].as_str()));
     let states = ["before", "after"].into_iter();
     let of_orifices = states.filter_map(|state| {
         let orifice = OrificeMeasures::deserialize(&page.report[state]["orifice"]).ok()?;
         Some(format!("orifice {state}: {}", orifice_doubt(&orifice)?))
     });
     out + &told("Doubts", warnings.chain(of_orifices))
+}
+
+/// What is doubtful, with the name of the alternative that it is told of.
+fn warnings(told: &Value, name: Option<&str>) -> Vec<String> {
+    let texts = told["warnings"].as_array().into_iter().flatten();
+    let texts = texts.filter_map(Value::as_str);
+    let named = texts.map(|text| match name {
+        Some(name) => format!("{name}: {text}"),
+        None => text.to_owned(),
+    });
+    named.collect()
 }
 
 fn told(heading: &str, lines: impl Iterator<Item = String>) -> String {

@@ -298,6 +298,7 @@ fn ensembles_are_told_as_a_surgeon_reads_them() {
     );
     let sampled = report.before.uncertainty.as_mut().unwrap();
     (sampled.samples, sampled.certified, sampled.refused) = (200, 190, 3);
+    sampled.in_doubt = 12;
     sampled.sealed = Some(Probability {
         estimate: 0.93,
         low: 0.884,
@@ -309,6 +310,11 @@ fn ensembles_are_told_as_a_surgeon_reads_them() {
         "{told}"
     );
     assert!(told.contains("      median (nine of ten): orifice "), "{told}");
+    let words = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words.contains("of 190 valves 12 leave their orifice in doubt: more can pass"),
+        "{told}"
+    );
     assert!(
         told.contains(
             "of 200 valves 7 closed without a certificate and 3 could not be repaired: they are not counted"

@@ -126,6 +126,13 @@ fn read(
         let told = told(count);
         return Err(vec![Fault::error(name, too_many(&told))]);
     }
+    if count > MOST_ALTERNATIVES {
+        let [told, most] = [count, MOST_ALTERNATIVES].map(told);
+        let message = format!(
+            "has {told} alternatives; expected {most} at most, whatever the limit: they are all held in memory"
+        );
+        return Err(vec![Fault::error(name, message)]);
+    }
     document.expand(&name, text)?;
     let mut files = Files::new("plan", folder_of(path), Space::LPS, u32::MAX);
     let search = document.search.take();
@@ -147,6 +154,10 @@ fn read(
     made.asked.search = search.map_err(told)?;
     Ok((made, warnings))
 }
+
+/// No limit lets more alternatives pass, each of which takes a kilobyte before it is closed; our choice: a machine would be busy with them
+/// for days.
+const MOST_ALTERNATIVES: u64 = 10_000_000;
 
 /// What the valve as it is is called beside alternatives.
 pub(crate) const BEFORE: &str = "before";
@@ -193,20 +204,25 @@ fn alternatives(document: Document, files: &mut Files) -> Alternatives {
         found_by_search: None,
     };
     let common = combinations(document.common, files);
-    for block in document.blocks {
+    for (number, block) in document.blocks.into_iter().enumerate() {
         let name = block.name.clone();
         let own = combinations(block, files);
         let is_one = common.len() * own.len() == 1;
         for first in &common {
             for then in &own {
                 let parts = || first.iter().chain(then);
+                let (title, is_taken) = called.name(
+                    name.as_deref(),
+                    is_one,
+                    first.iter().map(|part| &part.called),
+                    then.iter().map(|part| &part.called),
+                );
+                if let (Some(name), true) = (&name, is_taken) {
+                    let message = format!("is `{name}`, as that of another; one of them is called `{title}`");
+                    files.warning(&format!("alternative[{number}].name"), &message);
+                }
                 made.alternatives.push(Alternative {
-                    name: called.name(
-                        name.as_deref(),
-                        is_one,
-                        first.iter().map(|part| &part.called),
-                        then.iter().map(|part| &part.called),
-                    ),
+                    name: title,
                     repairs: parts().map(|part| part.repair.clone()).collect(),
                 });
                 made.keys.push(parts().map(|part| part.key.clone()).collect());

@@ -84,14 +84,14 @@ impl Names {
     }
 
     /// The name of an alternative: what it is called in the plan, if it is the only one of that block; what it does, if it is
-    /// not called anything; both otherwise. No name is given twice.
+    /// not called anything; both otherwise. No name is given twice: a number is put behind one that is taken, and that it is told.
     pub(super) fn name<'a>(
         &mut self,
         block: Option<&str>,
         is_only: bool,
         common: impl Iterator<Item = &'a Called>,
         own: impl Iterator<Item = &'a Called>,
-    ) -> String {
+    ) -> (String, bool) {
         let common: Vec<&Called> = common.collect();
         let mut words: Vec<String> = common.iter().filter_map(|it| self.common_words(it)).collect();
         words.extend(own.map(|it| self.words(it, &self.own)));
@@ -105,7 +105,10 @@ impl Names {
             None => done,
         };
         // One line, whatever a file says.
-        self.once(name.replace(char::is_control, " "))
+        let name = name.replace(char::is_control, " ");
+        let once = self.once(name.clone());
+        let is_taken = once != name;
+        (once, is_taken)
     }
 
     fn once(&mut self, name: String) -> String {

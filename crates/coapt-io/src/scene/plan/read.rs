@@ -1,8 +1,5 @@
 //! The text of a plan as repairs with their lists and ranges, every fault with its line.
 
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
-
 use coapt::plan::Criterion;
 use coapt::scene::{Fault, Repair};
 use serde::Deserialize;
@@ -190,33 +187,17 @@ fn unusable(read: &PlanOfOne) -> Vec<Fault> {
 
 /// What is done otherwise than it says, keys and messages.
 fn doubts(read: &PlanOfOne) -> Vec<(String, String)> {
-    let mut doubts = Vec::new();
-    if read.diastole == Some(false) && ranks_open(read) {
-        let message = format!(
-            "is false, but `ranking.criteria` has `{}`: open valves are computed",
+    let message = || {
+        format!(
+            "is false, but `ranking.criteria` has `{}`, for which a comparison computes open valves",
             Criterion::DiastolicOrifice.name()
-        );
-        doubts.push(("diastole".to_owned(), message));
-    }
-    let mut first = BTreeMap::new();
-    for (number, alternative) in read.alternative.iter().enumerate() {
-        let Some(name) = &alternative.name else {
-            continue;
-        };
-        match first.entry(name) {
-            Entry::Vacant(entry) => {
-                entry.insert(number);
-            }
-            Entry::Occupied(entry) => doubts.push((
-                format!("alternative[{number}].name"),
-                format!(
-                    "is `{name}`, as that of alternative[{}]; tables tell them apart by a number behind it",
-                    entry.get()
-                ),
-            )),
-        }
-    }
-    doubts
+        )
+    };
+    let contradicts = read.diastole == Some(false) && ranks_open(read);
+    contradicts
+        .then(|| ("diastole".to_owned(), message()))
+        .into_iter()
+        .collect()
 }
 
 fn ranks_open(read: &PlanOfOne) -> bool {

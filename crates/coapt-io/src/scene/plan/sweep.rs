@@ -140,11 +140,12 @@ pub(super) fn sweeps(table: &Table) -> (Sweeps, Vec<(String, String)>) {
     let (mut found, mut faults) = (Sweeps::default(), Vec::new());
     for (key, value) in table {
         let values = match value {
-            Value::Array(items) if mixes_numbers_and_lists(items) => Err(
-                "has numbers beside lists; expected one list of numbers, such as [0, 0, 4], or a list of such lists"
-                    .to_owned(),
-            ),
             Value::Array(items) if key != KIND && is_swept(table, key, items) => list(items),
+            // A list by nature, which the type of the whole would complain of without its key.
+            Value::Array(_) if key != KIND => match alone(table, key, value.clone()) {
+                Err(message) if !message.contains(key) => Err(message),
+                _ => continue,
+            },
             Value::Table(range) if key != KIND && is_range(table, key, range) => self::range(range),
             _ => continue,
         };
@@ -170,10 +171,6 @@ fn is_swept(table: &Table, key: &str, items: &[Value]) -> bool {
     // What takes no list at all is swept by whatever is in it, to be told of one by one.
     let no_list = alone(table, key, Value::Array(Vec::new()));
     items.iter().any(takes) || no_list.is_err_and(|message| message.starts_with("invalid type: list"))
-}
-
-fn mixes_numbers_and_lists(items: &[Value]) -> bool {
-    items.iter().any(Value::is_array) && items.iter().any(|value| !float(value).is_nan())
 }
 
 fn is_range(table: &Table, key: &str, range: &Table) -> bool {

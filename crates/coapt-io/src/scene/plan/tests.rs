@@ -102,8 +102,8 @@ fn what_is_done_otherwise_is_told() {
     assert_eq!(
         told,
         [
-            "p.toml:3: diastole is false, but `ranking.criteria` has `diastolic_orifice`: open valves are computed",
-            "p.toml:13: alternative[1].name is `a`, as that of alternative[0]; tables tell them apart by a number behind it",
+            "p.toml:3: diastole is false, but `ranking.criteria` has `diastolic_orifice`, for which a comparison computes open valves",
+            "p.toml:13: alternative[1].name is `a`, as that of another; one of them is called `a (2)`",
         ]
     );
     assert!(made.asked.diastole);
@@ -268,10 +268,7 @@ fn points_and_curves_are_no_lists_of_values() {
     );
     assert_eq!(
         wrong,
-        [
-            "p.toml:7: alternative[0].repair[0].by_mm has numbers beside lists; expected one list of numbers, such as [0, 0, 4], or a \
-             list of such lists"
-        ]
+        ["p.toml:7: alternative[0].repair[0].by_mm: invalid type: list, expected a number"]
     );
 }
 
@@ -284,6 +281,12 @@ fn the_count_is_refused_before_anything_is_made() {
         [
             "p.toml has 20,001 alternatives, the product of its lists and ranges; expected 10,000 at most (--max-alternatives)"
         ]
+    );
+    let text = format!("{START}[[alternative]]\n{RING}size_mm = {{ from = 20, to = 40, step = 1e-7 }}\n");
+    let told = alternatives_from_text(Path::new("p.toml"), &text, u64::MAX).unwrap_err();
+    assert_eq!(
+        told[0].message,
+        "has 200,000,001 alternatives; expected 10,000,000 at most, whatever the limit: they are all held in memory"
     );
     // Any of these would fill any memory.
     let endless = format!("{RING}size_mm = {{ from = 0, to = 1e300, step = 1e-300 }}\n").repeat(3);
