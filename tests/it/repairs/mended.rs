@@ -197,7 +197,7 @@ fn text(all: &[(Preset, Vec<Alternative>, Comparison)]) -> String {
     }
     text.push_str(
         "\n**How sure.** This is one valve of each kind. Of 200 that an image could not tell from `flail` \
-         ([plans.md](plans.md#what-is-not-known)), the clip seals 94 %, the resection of 12 mm 72 % and the neochordae 35 %; of 200 like \
+         ([plans.md](plans.md#what-is-not-known)), the clip seals 94 %, the resection of 12 mm 72 % and the neochordae 35 % (a third of their orifices in doubt); of 200 like \
          `dilated` the ring seals 100 % and the clip 32 % (10 % seal as they are). Lengths of neochordae are an estimate of the open valve, \
          which few millimetres of papillary muscle make wrong.\n\n**Sizes.** What a repair does depends on its size. A default is no size for a valve: a resection narrower than the flail segment \
          leaves its borders, a patch shorter than the leaflet lifts its middle and opens its ends. \
