@@ -44,6 +44,9 @@ const PIXELS_PER_EDGE: f64 = 4.0;
 /// Columns of the mid-section.
 const SECTION_COLUMNS: usize = 512;
 
+/// A seam is closed in the mid-section up to so many contact thicknesses [1], our choice: its edges lie one apart, and bend down.
+const SEAM_THICKNESSES: f64 = 2.0;
+
 /// Cubic millimetres in a millilitre.
 const ML_MM3: f64 = 1000.0;
 
@@ -75,8 +78,12 @@ fn at_pixel(model: &Model, s: &Surface, pixel_mm: f64) -> (TentingMeasures, Bill
         billow.height_mm = f64::max(billow.height_mm, above);
         billow.volume_ml += above.max(0.0) * pixel_ml;
     }
-    let seen = has_seams(model, s).then_some(&top);
-    tenting.area_mm2 = section_area(model, s, &plane, &local, seen);
+    let seen = has_seams(model, s).then(|| {
+        let mut seen = top;
+        seen.close_slits(SEAM_THICKNESSES * model.contact.thickness_mm);
+        seen
+    });
+    tenting.area_mm2 = section_area(model, s, &plane, &local, seen.as_ref());
     (tenting, billow)
 }
 
