@@ -185,7 +185,7 @@ fn text(all: &[(Preset, Vec<Alternative>, Comparison)]) -> String {
                 b.orifice.area_mm2,
                 match b.orifice.agreement() {
                     Agreement::Fair => "",
-                    Agreement::MarginsMiss | Agreement::MarginsExceed => ", in doubt",
+                    Agreement::MarginsMiss | Agreement::MarginsExceed => " (in doubt)",
                 },
                 a.coaptation.length_a2p2_mm,
                 b.coaptation.length_a2p2_mm,
@@ -198,8 +198,8 @@ fn text(all: &[(Preset, Vec<Alternative>, Comparison)]) -> String {
     text.push_str(
         "\n**How sure.** This is one valve of each kind. Of 200 that an image could not tell from `flail` \
          ([plans.md](plans.md#what-is-not-known)), the clip seals 94 %, the resection of 12 mm 72 % and the neochordae 35 % (a third of their orifices in doubt); of 200 like \
-         `dilated` the ring seals 100 % and the clip 32 % (10 % seal as they are). Lengths of neochordae are an estimate of the open valve, \
-         which few millimetres of papillary muscle make wrong.\n\n**Sizes.** What a repair does depends on its size. A default is no size for a valve: a resection narrower than the flail segment \
+         `dilated` the ring seals 100 % and the clip 32 % (10 % seal as they are). Lengths of neochordae are estimated from \
+         the open valve: what an image leaves open is enough to make them wrong.\n\n**Sizes.** What a repair does depends on its size. A default is no size for a valve: a resection narrower than the flail segment \
          leaves its borders, a patch shorter than the leaflet lifts its middle and opens its ends. \
          Where a width just begins to hold the flail segment, a few triangles decide: 7, 8, 9, 10, 11 and 12 mm leave 100, 6, 6, 22, 7 \
          and 0 mm² in this mesh, 29, 24, 19, 9, 7 and 7 on 2,600 triangles. Both say 11 mm or more; between, close it on the finer \

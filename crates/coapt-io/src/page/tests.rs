@@ -6,6 +6,7 @@ use coapt::measure::SlackNeochord;
 use coapt::plan::Comparison;
 use coapt::plan::ensemble::{Interval, Probability};
 use coapt::relax::Status;
+use coapt::scene::Fault;
 use coapt::search::Tried;
 
 use super::*;
@@ -286,6 +287,20 @@ fn what_hardly_opens_is_marked_on_the_page() {
     assert!(html.contains(
         "<li>partly slack: repair[3], neochord <P2>: 1 of 2 strands bears less than 0.01 N in the closed valve</li>"
     ));
+}
+
+/// Doubts of all alternatives stand in one list: each says whose it is.
+#[test]
+fn doubts_of_an_alternative_have_its_name() {
+    let folder = Folder::new("doubts");
+    let (report, html) = plan_page(folder.path(), |comparison| {
+        let outcome = comparison.rows[0].result.as_mut().unwrap();
+        outcome.warnings = vec![(0, Fault::warning("ring.size_mm", "is doubted"))];
+    });
+    let doubt = &report.alternatives[0].warnings[0];
+    assert!(doubt.ends_with("is doubted"), "{doubt}");
+    let expected = format!("<li>{}: {doubt}</li>", report.alternatives[0].name);
+    assert!(plain(&html).contains(&expected), "{expected}");
 }
 
 /// Figures of a valve as it is that is not certified must not look like results: they are marked, and nothing has changed from them.

@@ -1,6 +1,7 @@
 //! What is told of a small comparison, and its files.
 
 mod asked;
+mod repaired;
 
 use std::path::Path;
 use std::path::PathBuf;

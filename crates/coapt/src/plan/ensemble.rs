@@ -182,7 +182,7 @@ fn wilson(successes: usize, count: usize) -> Option<Probability> {
 /// every plan, so that plans are compared on the same valves; no sample depends on another, nor on the number of threads.
 ///
 /// Each begins at `start`, the closed valve that they vary around, where one is given: that takes 0.4 to 0.9 times as long as from the
-/// open valve. Where soft tissue folds in more ways than one it comes to rest in another fold then; of 60 samples of each preset at 650
+/// open valve. Where soft tissue folds in more ways than one it comes to rest in another fold then; of 60 samples of each preset (40 of `restricted`) at 650
 /// faces, before and after a saddle ring of 30 mm, medians of orifice and coaptation length at A2-P2 agreed to 0.1 mm² and 0.1 mm,
 /// single samples to 10 mm² and, in Barlow's valve, 3.3 mm (`docs/plans.md`).
 pub fn ensemble(

@@ -128,6 +128,7 @@ fn summary(model: &Model, repairs: &[Repair], sampling: &Sampling, watch: Watch)
 pub(super) fn middle(model: &Model, repairs: &[Repair], watch: Watch) -> Option<State> {
     let settings = super::Settings {
         keep_positions: true,
+        passage: false,
         ..super::Settings::default()
     };
     // It was closed and told of before.

@@ -17,7 +17,7 @@ const LOOK_EVERY: usize = 4;
 pub const TOLERANCE: f64 = 1e-5;
 /// Settled is a value that changes by no more than this part of itself [1], or of the shift by [`TOLERANCE`], so many looks in a row. Of
 /// 189 balances of the presets, with and without rings of 24 to 36 mm, at 650 to 2600 faces, whose symmetric part was indefinite, all
-/// were judged as by the whole Krylov space, after 23 vectors in the mean. After the first such look values may still fall: from 5.4e-6
+/// were judged as by the whole Krylov space, after 21 vectors in the mean. After the first such look values may still fall: from 5.4e-6
 /// of the shift to 7e-7.
 const SETTLED: f64 = 0.1;
 const SETTLED_LOOKS: u32 = 2;

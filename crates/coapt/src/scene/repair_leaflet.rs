@@ -61,7 +61,7 @@ pub enum ResectionShape {
 }
 
 impl ResectionShape {
-    /// Usual widths at the margin, from and to [mm].
+    /// Usual widths at the margin, from and to [mm]; as often quoted, not checked by us.
     pub fn usual_width_mm(self) -> [f64; 2] {
         match self {
             Self::Triangular => [8.0, 15.0],

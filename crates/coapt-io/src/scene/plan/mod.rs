@@ -155,8 +155,7 @@ fn read(
     Ok((made, warnings))
 }
 
-/// No limit lets more alternatives pass, each of which takes a kilobyte before it is closed; our choice: a machine would be busy with them
-/// for days.
+/// No limit lets more alternatives pass, our choice: a machine would be busy with them for days.
 const MOST_ALTERNATIVES: u64 = 10_000_000;
 
 /// What the valve as it is is called beside alternatives.

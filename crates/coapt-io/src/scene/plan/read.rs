@@ -143,7 +143,7 @@ pub(super) fn document(file: &str, text: &str) -> Result<Document, Vec<Fault>> {
     if !faults.is_empty() {
         return Err(refused(file, text, &faults));
     }
-    let mut warnings = doubts(&read);
+    let mut warnings = Vec::from_iter(contradiction(&read));
     for place in &mut places {
         let of = place.sweeps.fold().into_iter();
         warnings.extend(of.map(|(key, message)| (format!("{}.{key}", place.key), message)));
@@ -185,19 +185,15 @@ fn unusable(read: &PlanOfOne) -> Vec<Fault> {
     faults
 }
 
-/// What is done otherwise than it says, keys and messages.
-fn doubts(read: &PlanOfOne) -> Vec<(String, String)> {
+/// Whether it refuses open valves and ranks by them: key and message.
+fn contradiction(read: &PlanOfOne) -> Option<(String, String)> {
     let message = || {
         format!(
             "is false, but `ranking.criteria` has `{}`, for which a comparison computes open valves",
             Criterion::DiastolicOrifice.name()
         )
     };
-    let contradicts = read.diastole == Some(false) && ranks_open(read);
-    contradicts
-        .then(|| ("diastole".to_owned(), message()))
-        .into_iter()
-        .collect()
+    (read.diastole == Some(false) && ranks_open(read)).then(|| ("diastole".to_owned(), message()))
 }
 
 fn ranks_open(read: &PlanOfOne) -> bool {

@@ -141,7 +141,8 @@ pub(super) fn sweeps(table: &Table) -> (Sweeps, Vec<(String, String)>) {
     for (key, value) in table {
         let values = match value {
             Value::Array(items) if key != KIND && is_swept(table, key, items) => list(items),
-            // A list by nature, which the type of the whole would complain of without its key.
+            // A list by nature, which the type of the whole would complain of without its key. Complaints that name it are of the key
+            // itself, and told with what else is wrong with keys.
             Value::Array(_) if key != KIND => match alone(table, key, value.clone()) {
                 Err(message) if !message.contains(key) => Err(message),
                 _ => continue,

@@ -57,7 +57,7 @@ fn sizes(name: &str, mended: &str) -> String {
     let of = |row: &Vec<&str>| {
         let done = row.get(1).filter(|done| done.starts_with(start))?;
         let preset = row[0].trim_start_matches("| ");
-        Some(format!("{preset}, {done}: orifice {} mm²", row.get(2)?))
+        Some(format!("{preset}, {done}: orifice [mm²] {}", row.get(2)?))
     };
     let told: Vec<String> = rows.filter_map(|row| of(&row)).collect();
     format!(

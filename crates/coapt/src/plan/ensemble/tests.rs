@@ -159,6 +159,29 @@ fn a_seed_is_an_ensemble() {
     );
 }
 
+/// What margins and passage tell otherwise is counted, where it is certified.
+#[test]
+fn orifices_in_doubt_are_counted() {
+    let look = |_: &Progress| ControlFlow::Continue(());
+    let mut found = ensemble(&small(), &[], &Uncertainty::default(), (3, 1), None, &look);
+    for sample in &mut found.samples {
+        let outcome = sample.as_mut().unwrap();
+        assert!(outcome.is_certified() && outcome.measures.orifice.passage_mm2.is_some());
+        (
+            outcome.measures.orifice.area_mm2,
+            outcome.measures.orifice.passage_mm2,
+        ) = (0.0, Some(0.0));
+    }
+    assert_eq!(found.in_doubt(), 0);
+    for (sample, passage_mm2) in found.samples.iter_mut().zip([10.0, 0.0, 10.0]) {
+        let orifice = &mut sample.as_mut().unwrap().measures.orifice;
+        orifice.passage_mm2 = Some(passage_mm2);
+    }
+    assert_eq!(found.in_doubt(), 2);
+    found.samples[2].as_mut().unwrap().certificate.stable = false;
+    assert_eq!(found.in_doubt(), 1);
+}
+
 /// Wilson's interval by hand: 8 of 10 leave 0.490 to 0.943, 0 of 10 leave 0 to 0.278.
 #[test]
 fn few_samples_leave_wide_intervals() {
