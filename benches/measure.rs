@@ -1,10 +1,12 @@
-//! Measuring the closed valve: `measure` (everything that is reported of one state) and `visible` (how far two valves
-//! lie apart where they are seen).
+//! Measuring the closed valve: `measure` (everything that is reported of one state but the narrowest passage), `passage` (that) and
+//! `visible` (how far two valves lie apart where they are seen).
 //!
 //! The first is paid once per closure, and at every frame of a view that shows figures while the valve is moved. The
 //! second needs no closed valve: the open one against a valve of other size costs as much.
 
-use coapt::measure::{measure, visible_distance};
+use coapt::measure::{measure, passage_mm2, visible_distance};
+use coapt::mesh::parametric::{Preset, ValveParameters, generate};
+use coapt::model::Model;
 use coapt_benches::{PLANNING_SIZE, SIZES, close, closed_sizes, healthy_model, label};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::cell::LazyCell;
@@ -26,6 +28,27 @@ fn bench_measure(criterion: &mut Criterion) {
     }
 }
 
+fn bench_passage(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("passage");
+    group.sample_size(20);
+    for preset in [Preset::Healthy, Preset::Flail] {
+        let closed = LazyCell::new(|| {
+            let parameters = ValveParameters {
+                face_count_target: PLANNING_SIZE,
+                ..ValveParameters::preset(preset)
+            };
+            let scene = generate(&parameters).expect("a preset can be generated");
+            let model = Model::build(&scene).expect("a preset can be built").model;
+            let equilibrium = close(&model);
+            (model, equilibrium)
+        });
+        group.bench_function(preset.name(), |bencher| {
+            let (model, equilibrium) = &*closed;
+            bencher.iter(|| passage_mm2(model, &equilibrium.state.positions_mm));
+        });
+    }
+}
+
 fn bench_visible(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("visible");
     group.sample_size(10);
@@ -38,5 +61,5 @@ fn bench_visible(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, bench_measure, bench_visible);
+criterion_group!(benches, bench_measure, bench_passage, bench_visible);
 criterion_main!(benches);

@@ -1,12 +1,12 @@
 //! What a closure costs in evaluations of all forces, and beside the explicit baseline, in one run on one machine:
 //! times of different days or machines do not make a ratio.
 //!
-//! The three take turns, so that whatever else the machine does falls on all of them; medians are printed.
+//! The four take turns, so that whatever else the machine does falls on all of them; medians are printed.
 
 use coapt::measure::visible_distance;
 use coapt::relax::{load, relax};
 use coapt::state::State;
-use coapt_benches::explicit::{self, close_explicitly};
+use coapt_benches::explicit::{self, assert_closed, close_explicitly};
 use coapt_benches::{PLANNING_SIZE, assert_certified, closed_scenery, label};
 use std::hint::black_box;
 use std::io::Write;
@@ -33,6 +33,7 @@ fn main() {
     rough.settings.residual_tolerance = explicit::TOLERANCE;
     assert_certified(&relax(&rough, &start));
     let baseline = close_explicitly(&scenery.model, &start, explicit::TOLERANCE, explicit::STEP_LIMIT);
+    assert_closed(&baseline);
     let mut times = [const { Vec::new() }; 4];
     for _ in 0..TURNS {
         let turn = [

@@ -52,7 +52,7 @@ pub fn close(model: &Model) -> Equilibrium {
 /// Supports carry what pressure exerts, forces and torques: Σ r = Σ f and Σ x × r = Σ x × f, because everything internal
 /// cancels.
 ///
-/// What is left is the sum of the free vertices' residuals, each at most 1e-6 of the mean nodal pressure force, at an arm that
+/// What is left is the sum of the free vertices' residuals, each at most 1e-6 of the reference force, at an arm that
 /// is no longer than the valve is wide.
 ///
 /// # Panics

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use coapt::mesh::parametric::{self, Preset, ValveParameters};
 use coapt::model::{LeftOut, Model, Untangled};
-use coapt::plan::{Applied, apply_all};
+use coapt::plan::{Applied, apply_all, refuse_second_ring};
 use coapt::repair::Report;
 use coapt::scene::{Fault, Repair, Scene, Severity};
 use coapt_io::plan::in_plan;
@@ -123,6 +123,11 @@ impl Built {
     pub(crate) fn repaired(&self, repairs: &[Repair]) -> Result<Self, Vec<Fault>> {
         let before = self.repairs.len();
         let named = |number: usize, fault: &Fault| in_plan(&format!("repair[{}]", before + number), fault);
+        let whole: Vec<Repair> = self.repairs.iter().chain(repairs).cloned().collect();
+        for number in before..whole.len() {
+            refuse_second_ring(&whole[..number], &whole[number])
+                .map_err(|fault| vec![named(number - before, &fault)])?;
+        }
         let Applied {
             model,
             reports,
@@ -136,7 +141,7 @@ impl Built {
         Ok(Self {
             scene: Arc::clone(&self.scene),
             source: self.source.clone(),
-            repairs: self.repairs.iter().chain(repairs).cloned().collect(),
+            repairs: whole,
             model,
             reports: self.reports.iter().cloned().chain(reports).collect(),
             of_reading: self.of_reading.clone(),

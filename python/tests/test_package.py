@@ -87,6 +87,19 @@ def test_a_ring_brings_the_leaflets_together(healthy, closed):
     assert after.coaptation.area_mm2 > closed.coaptation.area_mm2
 
 
+def test_a_second_ring_is_refused_however_it_is_asked_for(healthy):
+    ring, other = coapt.Ring.physio_like(32), coapt.Ring.physio_like(30)
+    ringed = healthy.with_repair(ring)
+    for ask in (
+        lambda: healthy.with_repair(ring, other),
+        lambda: ringed.with_repair(other),
+        lambda: coapt.closure(ringed, other),
+        lambda: ringed.interactive().set_ring(other),
+    ):
+        with pytest.raises(coapt.InputError, match=r"it would be sewn where repair\[0\] has sewn a ring"):
+            ask()
+
+
 def test_pressure_and_settings_make_other_valves(healthy, closed):
     higher = healthy.close(pressure_mmhg=120)
     assert higher.valve.pressure_mmhg == pytest.approx(120, rel=1e-12)

@@ -118,7 +118,7 @@ fn rates_are_those_of_finite_differences() {
 
 /// What is no balance has no rates, and models of other vertices are refused.
 #[test]
-fn rates_need_a_balance_and_the_same_vertices() {
+fn rates_need_a_balance_and_the_same_parts() {
     let model = preset_model(Preset::Healthy, 300, 0.0, 0);
     let other = preset_model(Preset::Healthy, 650, 0.0, 0);
     let refused = |closed: &Equilibrium, at: &Model, words: &str| {
@@ -130,7 +130,17 @@ fn rates_need_a_balance_and_the_same_vertices() {
         let faults = sensitivity(&model, closed, &parameter).unwrap_err();
         assert!(faults[0].message.contains(words), "{faults:?}");
     };
-    refused(&close(&model), &other, "which vertices there are");
+    let closed = close(&model);
+    refused(&closed, &other, "which vertices there are");
+    let mut thicker = model.clone();
+    thicker.contact.thickness_mm *= 1.1;
+    refused(&closed, &thicker, "the thickness of contact");
+    let mut fewer = model.clone();
+    fewer.chords.ends.pop();
+    refused(&closed, &fewer, "how many chordae there are");
+    let mut turned = model.clone();
+    turned.faces[0].rotate_left(1);
+    refused(&closed, &turned, "the triangles");
     let mut hasty = model.clone();
     hasty.settings.iteration_limit = 2;
     refused(&close(&hasty), &model, "is not in a stable balance");

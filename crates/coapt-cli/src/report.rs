@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use coapt::scene::Severity;
 use coapt_io::atomic::write_text_atomically;
 use coapt_io::page::{RECORDING, SHOWN_ALTERNATIVES, add_film, page_html, read_page};
 
@@ -33,7 +34,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         Some(recording) => add_film(&mut page, recording)?,
         // Nobody asked for it: it may be of an earlier run. A page of a plan shows no film.
         None if beside.is_file() && page.plan.is_none() => {
-            if let Err(faults) = add_film(&mut page, &beside) {
+            if let Err(mut faults) = add_film(&mut page, &beside) {
+                for fault in &mut faults {
+                    fault.severity = Severity::Warning;
+                }
                 tell(&faults);
                 say("the page is made without a film");
             }

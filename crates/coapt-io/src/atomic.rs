@@ -58,7 +58,8 @@ impl Batch {
         file.sync_all()
     }
 
-    /// Removes an old file once the new ones are in their places; that there is none is no fault.
+    /// Removes an old file once the new ones are in their places, and its folder if nothing else is left there; that there is none is
+    /// no fault.
     pub fn remove(&mut self, path: PathBuf) {
         self.unwanted.push(path);
     }
@@ -113,7 +114,9 @@ impl Batch {
         for path in &self.unwanted {
             match std::fs::remove_file(path) {
                 Err(error) if error.kind() != ErrorKind::NotFound => return Err(file_fault(path, &error)),
-                _ => {}
+                // One that is not empty stays, and so says the file system.
+                Ok(()) => _ = path.parent().map(std::fs::remove_dir),
+                Err(_) => {}
             }
         }
         self.staged.iter().filter(is_last).try_for_each(put)?;
@@ -207,6 +210,16 @@ pub fn files_of_other_runs(folder: &Path) -> Vec<String> {
         bytes.map_or(true, |bytes| checksum(&bytes) != *sum)
     };
     lines.filter(is_other).map(|(_, name)| name.to_owned()).collect()
+}
+
+/// Whether the [`LIST`] of a folder lacks a file: who wrote the list did not write that file. Without a list nothing is known.
+pub fn is_unlisted(folder: &Path, file: &str) -> bool {
+    let list = std::fs::read_to_string(folder.join(LIST));
+    list.is_ok_and(|list| {
+        !list
+            .lines()
+            .any(|line| line.split_once("  ").is_some_and(|(_, name)| name == file))
+    })
 }
 
 /// As 64 hexadecimal digits.

@@ -89,11 +89,11 @@ impl TissueFit {
         rounded(default_bending_modulus_mpa() / self.fit.circumferential.pre_transition_modulus_mpa)
     }
 
-    /// As one JSON object, with a line break at its end.
+    /// As one JSON object, with a line break at its end; `tissue` is what a scene holds.
     pub fn json(&self) -> String {
         let whole = json!({
             "schema": "coapt-fit-tissue/1", "notice": NOTICE, "curve": self.curve,
-            "law": self.tissue().law_name(), "fit": self.fit,
+            "law": self.tissue().law_name(), "tissue": self.tissue(), "fit": self.fit,
         });
         format!("{whole:#}\n")
     }

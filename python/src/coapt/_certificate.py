@@ -22,7 +22,8 @@ class Certificate:
     certified : bool
         Whether the result may be used: converged, stable, nothing crosses.
     residual : float
-        Largest force left on a free vertex over the mean nodal pressure force [1].
+        Largest force left on a free vertex over the mean nodal pressure force or, where that is
+        more, the pull of a strain of 1e-3 [1].
     stable : bool
         Whether a small push is answered by a return.
     crossings : ndarray of uint32, shape (n, 3)

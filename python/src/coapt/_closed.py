@@ -208,7 +208,8 @@ class Closed:
         return self.measures.annulus_force_n
 
     def to_dict(self) -> dict[str, Json]:
-        """The report as ``report.json`` holds it; units are in the names."""
+        """The report as ``report.json`` holds it; units are in the names. This closure stands under ``before``, with the repairs
+        that its valve has: it knows of no other. Before and after a repair: ``coapt.closure(valve, repair)``."""
         return cast("dict[str, Json]", json.loads(self._native.report_json(None)))
 
     def to_dataframe(self) -> pandas.DataFrame:
@@ -232,8 +233,8 @@ class Closed:
 
         The film is quasi-static: a row of balances under pressures from none to all of it, annulus and papillary tips where they
         are in systole. It is found by unloading this result, which is its last frame, bit for bit. A frame that is no balance is
-        grey and says so. ``coapt replay`` makes the film again and compares it; a valve closed from a ``start`` of its own comes out
-        the same only if the open valve comes to rest there too.
+        grey and says so. ``coapt replay`` makes the film again and compares it; a valve closed live or from a ``start`` of its own comes
+        out the same only if the open valve comes to rest there too.
 
         Parameters
         ----------

@@ -33,7 +33,7 @@ def _trust(word: str, closed: Closed) -> str:
     if not certificate.certified:
         reason = closed.status if closed.status != "converged" else "not stable, or surfaces cross"
         return f"<strong>{told}NOT CERTIFIED</strong> ({escape(reason)}): figures of such a shape are no prediction"
-    return f"{told}certified; mesh error {certificate.discretisation_mm:.2f} mm (estimate)"
+    return f"{told}certified; mesh error up to {certificate.discretisation_mm:.2f} mm (estimate)"
 
 
 def _row(row: Row, states: int) -> str:

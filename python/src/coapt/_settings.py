@@ -77,9 +77,11 @@ class Settings(PlainData):
         Valves of more triangles are refused, with an estimate of what closing them would cost.
         Default: 250000.
     iteration_limit : int, optional
-        Give up after so many solver iterations on one mesh, and say so. Default: 2000.
+        Give up after so many solver iterations on one mesh, begun anew or not, and say so. Default:
+        4000.
     residual_tolerance : float, optional
-        Largest force left on a free vertex, over the mean nodal pressure force [1]. Default: 1e-06.
+        Largest force left on a free vertex, over the mean nodal pressure force or, where that is
+        more, the pull of a strain of 1e-3 [1]. Default: 1e-06.
     step_scale : float, optional
         Longest step of the solver over its own choice [1]; for studies of how far the result
         depends on the road. Default: 1.0.

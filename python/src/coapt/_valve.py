@@ -197,7 +197,7 @@ class Valve:
         Raises
         ------
         InputError
-            Why a repair cannot be carried out.
+            Why a repair cannot be carried out; a second ring.
         """
         return Valve._of(self._native.with_repairs(natives_of_repairs(repairs)))
 

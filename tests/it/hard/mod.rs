@@ -14,7 +14,7 @@ use coapt::contact::surface::Surface;
 use coapt::contact::tangle::inside_out;
 use coapt::model::Model;
 use coapt::relax::{Equilibrium, Iteration, Status, relax};
-use coapt::scene::Fault;
+use coapt::scene::{Fault, Settings};
 use coapt::state::State;
 use coapt_tests::Random;
 use rayon::prelude::*;
@@ -150,6 +150,13 @@ fn is_sane(end: &Equilibrium) -> bool {
         && end.certificate.max_penetration_mm.is_finite()
         && end.certificate.crossings.is_empty()
         && end.history.iter().all(sound)
+        && most_on_one_mesh(end) <= Settings::default().iteration_limit as usize
+}
+
+/// Iterations on the mesh that took the most, begun anew or not.
+fn most_on_one_mesh(end: &Equilibrium) -> usize {
+    let on = |faces: usize| end.history.iter().filter(|made| made.faces == faces).count();
+    end.history.iter().map(|made| on(made.faces)).max().unwrap_or(0)
 }
 
 #[test]

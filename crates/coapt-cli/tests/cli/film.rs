@@ -164,8 +164,12 @@ fn wrong_usage_and_what_is_no_recording_are_status_2() {
     }
     assert!(!Path::new(&never).exists());
     // A file has the place of the folder: told before the valve is closed.
-    let inside = format!("{}/a.mcap", folder.file("file", ""));
-    assert_eq!(coapt(&["closure", "--record", &inside]).status.code(), Some(1));
+    let file = folder.file("file", "");
+    for (option, name) in [("--record", "a.mcap"), ("--picture", "a.png")] {
+        let output = coapt(&["closure", option, &format!("{file}/{name}")]);
+        assert_eq!(output.status.code(), Some(1), "{option}");
+        assert_eq!(stdout(&output), "", "{option}");
+    }
 }
 
 /// A picture under another name would be opened by programs for that name.

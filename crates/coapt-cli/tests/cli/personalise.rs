@@ -151,6 +151,17 @@ fn a_biaxial_curve_becomes_a_block_of_a_scene() {
     let due = "law = \"bilinear-springs\"\npre_transition_modulus_mpa = 0.05\ntransition_strain = 0.2\n\
                post_transition_modulus_mpa = 2.0\nbending_modulus_ratio = 9.6\n";
     assert!(text.ends_with(due), "{text}");
+    let as_json = stdout(&coapt(&[
+        "fit-tissue",
+        &curve,
+        "--up-to",
+        "150",
+        "--format",
+        "json",
+    ]));
+    let object: Value = serde_json::from_str(&as_json).unwrap();
+    assert_eq!(object["tissue"]["law"], "bilinear-springs");
+    assert_eq!(object["tissue"]["bending_modulus_ratio"], 9.6);
     // A scene takes the block as it is.
     let valve = valve(&folder, "valve", "1.0");
     let scene = std::fs::read_to_string(format!("{valve}/scene.toml")).unwrap();

@@ -111,6 +111,13 @@ fn a_study_of_a_scene_has_its_own_mesh_and_wrong_lists_are_refused() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = std::fs::read_to_string(Path::new(&out).join("study.csv")).unwrap();
     assert_eq!(text.lines().count(), 2, "{text}");
+    // Without a finer mesh nobody is told that the error is that of mesh and solver.
+    let told = "what the mesh costs is not in";
+    assert!(stdout(&output).contains(told), "{}", stdout(&output));
+    for name in ["study.json", "study.svg"] {
+        let text = std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
+        assert!(text.contains("solver alone"), "{name}");
+    }
     let never = folder.path("never");
     for (wrong, told) in [
         (vec![&valve[..], "--faces", "300"], "is for presets"),

@@ -69,22 +69,29 @@ fn nothing_of_a_batch_appears_before_all_of_it_is_written() {
     let folder = Folder::new("batch");
     std::fs::write(folder.path("a"), "old").unwrap();
     std::fs::write(folder.path("stale"), "old").unwrap();
-    std::fs::create_dir(folder.path("c")).unwrap();
+    for below in ["c", "left", "emptied"] {
+        std::fs::create_dir(folder.path(below)).unwrap();
+    }
+    for old in ["left/kept", "left/stale", "emptied/stale"] {
+        std::fs::write(folder.path(old), "old").unwrap();
+    }
     let mut batch = Batch::default();
     batch.write(&folder.path("a"), b"new").unwrap();
     batch.remove(folder.path("stale"));
     assert!(batch.write(&folder.path("c"), b"new").is_err());
     drop(batch);
-    assert_eq!(folder.names(), ["a", "c", "stale"]);
+    assert_eq!(folder.names(), ["a", "c", "emptied", "left", "stale"]);
     assert_eq!(std::fs::read(folder.path("a")).unwrap(), b"old");
     let mut batch = Batch::default();
     batch.write(&folder.path("a"), b"new").unwrap();
     batch.write(&folder.path("b"), b"new").unwrap();
     batch.remove(folder.path("stale"));
     batch.remove(folder.path("never there"));
+    batch.remove(folder.path("left/stale"));
+    batch.remove(folder.path("emptied/stale"));
     assert_eq!(std::fs::read(folder.path("a")).unwrap(), b"old");
     batch.finish().unwrap();
-    assert_eq!(folder.names(), ["a", "b", "c"]);
+    assert_eq!(folder.names(), ["a", "b", "c", "left"]);
     assert_eq!(std::fs::read(folder.path("a")).unwrap(), b"new");
 }
 

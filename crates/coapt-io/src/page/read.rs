@@ -10,7 +10,7 @@ use super::film::page_films;
 use super::geometry::{Chords, Geometry, curve};
 use super::told::{closure_page, plan_page};
 use super::{Page, PageState};
-use crate::atomic::{LIST, files_of_other_runs};
+use crate::atomic::{LIST, files_of_other_runs, is_unlisted};
 use crate::mesh::{PolyData, read_mesh};
 use crate::record::RecordedFilm;
 use crate::scene::read_text;
@@ -61,7 +61,8 @@ pub fn add_film(page: &mut Page, path: &Path) -> Result<(), Vec<Fault>> {
 /// # Errors
 /// All faults of a file that is missing, broken or was written by an earlier version.
 pub fn read_page(folder: &Path, most_alternatives: usize) -> Result<Page, Vec<Fault>> {
-    let [closure, plan] = ["report.json", "plan.json"].map(|name| folder.join(name));
+    let names = ["report.json", "plan.json"];
+    let [closure, plan] = names.map(|name| folder.join(name));
     let page = match (closure.is_file(), plan.is_file()) {
         (true, false) => read_closure(folder, &closure),
         (false, true) => read_plan(folder, &plan, most_alternatives),
@@ -74,6 +75,18 @@ pub fn read_page(folder: &Path, most_alternatives: usize) -> Result<Page, Vec<Fa
             "holds no results; expected the folder of `coapt closure --out` or of `coapt plan --out --shapes`",
         )),
     }?;
+    if let Some(name) = names
+        .into_iter()
+        .find(|name| folder.join(name).is_file() && is_unlisted(folder, name))
+    {
+        return Err(fault(
+            &folder.join(name),
+            format!(
+                "is not among the files that {LIST} lists: another command wrote into this folder since, and whether its shapes are \
+                 those of one run is not known; write results into folders of their own"
+            ),
+        ));
+    }
     // Shapes and numbers of two runs would make a page that nothing ever closed to.
     let others = files_of_other_runs(folder);
     match others.first() {

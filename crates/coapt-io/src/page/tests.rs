@@ -342,6 +342,9 @@ fn wrong_folders_are_told() {
         "{words}"
     );
     results(folder.path());
+    crate::atomic::write_files(folder.path(), &[("study.json", "{}".to_owned())]).unwrap();
+    assert!(told(folder.path()).contains("report.json is not among the files that SHA256SUMS lists"));
+    results(folder.path());
     let (mut surface, _) = crate::mesh::read_mesh(&path).unwrap();
     surface.point_arrays.retain(|array| array.name != "strain");
     crate::mesh::write_vtp(&path, &surface).unwrap();

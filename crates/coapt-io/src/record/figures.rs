@@ -19,7 +19,7 @@ pub struct Figures {
     pub status: Status,
     /// Transvalvular pressure [mmHg].
     pub pressure_mmhg: Option<f64>,
-    /// Largest force left on a free vertex over the mean nodal pressure force [1].
+    /// Largest force left on a free vertex over [`reference_force_n`](coapt::relax::load::reference_force_n) [1].
     pub residual: Option<f64>,
     /// Energy that leaflets and chordae store [mJ]. Neither contact, a penalty of the method, nor pressure, which has no energy at a
     /// free margin, is part of it: it is no energy of the whole, and need not be least in a balance.

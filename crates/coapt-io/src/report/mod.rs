@@ -151,7 +151,7 @@ pub struct Solve {
     pub certified: bool,
     /// Why the solver stopped.
     pub status: Status,
-    /// Largest force left on a free vertex over the mean nodal pressure force [1].
+    /// Largest force left on a free vertex over [`reference_force_n`](coapt::relax::load::reference_force_n) [1].
     pub residual: f64,
     /// Solver iterations.
     pub iterations: usize,

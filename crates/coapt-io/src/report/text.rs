@@ -135,7 +135,7 @@ fn certificate(out: &mut String, name: &str, solve: &Solve) {
     };
     wrapped(out, name, &verdict);
     let work = format!(
-        "residual {:.1e}; {} iterations in {:.0} ms; mesh error {:.2} mm (estimate); penetration {:.2} mm",
+        "residual {:.1e}; {} iterations in {:.0} ms; mesh error up to {:.2} mm (estimate); penetration {:.2} mm",
         solve.residual, solve.iterations, solve.wall_ms, solve.discretisation_mm, solve.max_penetration_mm
     );
     wrapped(out, &" ".repeat(name.len()), &work);

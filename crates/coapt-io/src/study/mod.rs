@@ -47,6 +47,10 @@ pub const STUDY_SCHEMA: &str = "coapt-study/1";
 /// What `rms_mm` and the other errors are.
 pub const ERROR_MEANS: &str = "distance to the reference where the valve is seen from the atrium";
 
+/// What they are where the reference has no finer mesh, as with a scene, which has but its own.
+pub const SOLVER_ERROR_MEANS: &str = "of the solver alone: distance to the same mesh solved tightest, where the valve is seen from the \
+                                      atrium";
+
 /// How the knee is found.
 pub const KNEE_MEANS: &str = "of the closures that none beats in both time and error, the one farthest below the \
                               straight line from the fastest to the most exact, in decades of time and error";
@@ -60,7 +64,7 @@ pub struct Study {
     pub version: Cow<'static, str>,
     /// [`crate::report::NOTICE`].
     pub notice: Cow<'static, str>,
-    /// [`ERROR_MEANS`].
+    /// [`ERROR_MEANS`] or [`SOLVER_ERROR_MEANS`].
     pub error: Cow<'static, str>,
     /// [`KNEE_MEANS`].
     pub knee: Cow<'static, str>,
@@ -72,6 +76,13 @@ pub struct Study {
     pub reference: Reference,
     /// The closures.
     pub rows: Vec<Row>,
+}
+
+impl Study {
+    /// Whether errors are those of the solver alone, since the reference has the mesh of every closure.
+    pub fn is_of_solver_alone(&self) -> bool {
+        self.error == SOLVER_ERROR_MEANS
+    }
 }
 
 /// The closure that errors are measured against.

@@ -36,7 +36,7 @@ pub fn svg(study: &Study) -> String {
         error,
         legend_y: top + 8.0,
     };
-    picture.axes();
+    picture.axes(study);
     picture.front(&study.rows);
     picture.meshes(&study.rows);
     picture.thicknesses(&study.rows);
@@ -74,7 +74,7 @@ impl Picture {
         [self.time.at(time_ms), self.error.at(error_mm)]
     }
 
-    fn axes(&mut self) {
+    fn axes(&mut self, study: &Study) {
         let [left, top, right, bottom] = FRAME;
         let grid = "stroke=\"#d0d0d0\"";
         for (value, label) in self.time.ticks() {
@@ -102,7 +102,10 @@ impl Picture {
         self.text(
             [x, y],
             &format!("text-anchor=\"middle\" transform=\"rotate(-90 {x} {y})\""),
-            "error of the visible surface, root mean square [mm]",
+            match study.is_of_solver_alone() {
+                true => "error of the solver alone, visible surface, root mean square [mm]",
+                false => "error of the visible surface, root mean square [mm]",
+            },
         );
     }
 
@@ -269,7 +272,7 @@ impl Picture {
             &format!("{}: error against time", study.case),
         );
         let lines = [
-            format!("Error: {}.", super::ERROR_MEANS),
+            format!("Error: {}.", study.error),
             format!(
                 "Reference: {} triangles, residual {:.0e}. Times: medians of {}.",
                 reference.faces, reference.residual, study.repeats

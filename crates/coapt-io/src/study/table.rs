@@ -64,9 +64,13 @@ pub fn text(study: &Study) -> String {
     let _ = writeln!(
         out,
         "reference: {} triangles, residual {:.1e}; error: root mean square\n\
-         distance between visible surfaces; own mesh: the same to its tightest tolerance\n",
+         distance between visible surfaces; own mesh: the same to its tightest tolerance",
         reference.faces, reference.residual
     );
+    if study.is_of_solver_alone() {
+        out += "errors are those of the solver alone: what the mesh costs is not in them\n";
+    }
+    out.push('\n');
     out += "triangles  tolerance  thickness     time  steps   error    95 %  largest  own mesh\n";
     out += "                             mm       ms             mm      mm       mm        mm\n";
     for row in &study.rows {

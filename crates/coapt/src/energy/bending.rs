@@ -23,13 +23,6 @@ pub struct Hinges {
     pub stiffness_n_per_mm: Vec<f64>,
 }
 
-impl Hinges {
-    /// Pairs of vertices that a hinge couples beyond its edge and the sides of its triangles: the two across.
-    pub fn places(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        self.vertices.iter().map(|&[_, _, c, d]| [c, d])
-    }
-}
-
 /// Bending energy [N·mm].
 pub fn energy(hinges: &Hinges, positions_mm: &[Vec3]) -> f64 {
     (0..hinges.vertices.len())

@@ -63,7 +63,7 @@ pub fn energy(springs: &Springs, positions_mm: &[Vec3]) -> f64 {
 /// Adds the gradient of the energy [N], shape `[vertex]`.
 pub fn add_gradient(springs: &Springs, positions_mm: &[Vec3], gradient_n: &mut [Vec3]) {
     for (index, &[a, b]) in springs.ends.iter().enumerate() {
-        let offset = positions_mm[b as usize] - positions_mm[a as usize];
+        let offset = offset(springs, index, positions_mm);
         let length = offset.norm();
         // Two vertices in one place have no direction; contact keeps that from happening.
         if length == 0.0 {

@@ -12,7 +12,7 @@ use crate::model::Model;
 pub const GAP_CAP_MM: f64 = 10.0;
 
 /// What counts as touching beyond the contact thickness [mm]: leaflets are read as sealed at 0.1 mm more (our
-/// choice, a fifth of the default thickness and below any imaging resolution)...
+/// choice, a tenth of the default thickness and below any imaging resolution)...
 const TOLERANCE_MM: f64 = 0.1;
 
 /// ...and at 2 % of the local edge length more (our choice): chords of curved sheets of radius `r` that touch stand

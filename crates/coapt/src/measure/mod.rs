@@ -57,7 +57,7 @@ pub use tenting::{BillowMeasures, TentingMeasures};
 pub use valve_frame::{ValveFrame, annulus_distance_mm, valve_frame};
 pub use visible::{VisibleDistance, visible_distance};
 
-/// Everything that is reported of one closed state.
+/// Everything that is reported of one closed state; the narrowest passage is among it where [`measure_with_passage`] found it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measures {
     /// Size and shape of the annulus.
@@ -88,7 +88,8 @@ pub struct Measures {
 /// support at each prescribed vertex, zero elsewhere, shape `[vertex]`; missing and non-finite entries count as zero.
 ///
 /// No number in the result is ever infinite or undefined: positions of the wrong shape, not finite, or farther out
-/// than a kilometre are not measured, and the open valve is measured in their stead, which never looks competent.
+/// than a kilometre are not measured, and the open valve is measured in their stead. Whether they are a closed valve's is the
+/// certificate's to say; no solver's end is among them.
 pub fn measure(model: &Model, positions_mm: &[Vec3], nodal_reaction_n: &[Vec3]) -> Measures {
     let positions_mm = usable_positions(model, positions_mm);
     let surface = surface::surface(model, positions_mm);
@@ -131,7 +132,7 @@ fn usable_positions<'a>(model: &'a Model, positions_mm: &'a [Vec3]) -> &'a [Vec3
 
 #[cfg(test)]
 mod tests {
-    use super::test_models::{commissure_valve, fold_state};
+    use super::test_models::{commissure_valve, fold_state, lens_state};
     use super::*;
 
     fn all_finite(m: &Measures) -> bool {
@@ -191,7 +192,7 @@ mod tests {
     #[test]
     fn rigid_motion_changes_nothing() {
         let model = commissure_valve(12, 6);
-        let positions = fold_state(&model, 0.4);
+        let positions = lens_state(&model, &[(-5.0, 3.0, 2.0)]);
         let turn = nalgebra::Rotation3::from_euler_angles(0.3, -0.7, 1.1);
         let move_all = |points: &[Vec3]| -> Vec<Vec3> {
             points
@@ -206,7 +207,13 @@ mod tests {
         assert!((a.coaptation.area_mm2 - b.coaptation.area_mm2).abs() < 1e-9);
         assert!((a.coaptation.length_mean_mm - b.coaptation.length_mean_mm).abs() < 1e-9);
         assert!((a.coaptation.length_a2p2_mm - b.coaptation.length_a2p2_mm).abs() < 1e-9);
+        assert!(a.orifice.area_mm2 > 1.0);
         assert!((a.orifice.area_mm2 - b.orifice.area_mm2).abs() < 1e-9);
+        assert!((a.orifice.max_gap_mm - b.orifice.max_gap_mm).abs() < 1e-9);
+        for (a, b) in a.leaflets.iter().zip(&b.leaflets) {
+            assert!((a.area_mm2 - b.area_mm2).abs() < 1e-9);
+            assert!((a.strain_p95 - b.strain_p95).abs() < 1e-9);
+        }
         assert!((a.annulus.area_3d_mm2 - b.annulus.area_3d_mm2).abs() < 1e-9);
         assert!((a.tenting.volume_ml - b.tenting.volume_ml).abs() < 1e-3 * a.tenting.volume_ml);
     }

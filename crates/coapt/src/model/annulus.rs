@@ -53,9 +53,21 @@ pub(crate) fn find(
     let ring = loops
         .iter()
         .reduce(|best, next| if far(next) > far(best) { next } else { best })?;
-    if loops.len() == 1 {
-        let message = "none is given; the only boundary is held all round, and there is no free margin";
-        faults.warning("annulus", message);
+    match (loops.len(), scene.chordae.is_empty()) {
+        (1, true) => {
+            let message = "none is given; the only boundary is held all round, and there is no free margin";
+            faults.warning("annulus", message);
+        }
+        // Chordae would hang on held points, and such a sheet never leaks: a valve that was told wrongly would look competent.
+        (1, false) => {
+            faults.error(
+                "annulus",
+                "none is given, and the only boundary would be held all round, with no free margin for the chordae; expected \
+                 `annulus.curve_mm` or `annulus.marker_array`",
+            );
+            return None;
+        }
+        _ => {}
     }
     Some(Found {
         annulus: ring.clone(),
@@ -275,6 +287,15 @@ pub(super) mod tests {
         for scene in [marked, curved, without_tips] {
             assert_eq!(built(&scene).model.annulus, plain.annulus);
         }
+    }
+
+    /// One boundary held all round never leaks, whatever the chordae are: a valve of which nobody said where its annulus is.
+    #[test]
+    fn chordae_need_a_free_margin() {
+        let mut scene = patch(5);
+        assert!(told(&built(&scene).warnings, "annulus", "no free margin"));
+        scene.chordae = skirt().chordae;
+        assert!(told(&faults(&scene), "annulus", "no free margin for the chordae"));
     }
 
     #[test]

@@ -283,7 +283,10 @@ pub fn wrong_input(model: &Model, repairs: &[Repair]) -> Vec<(usize, Fault)> {
 }
 
 /// A ring draws the annulus onto itself, whatever drew it elsewhere before: of two, only the last would show.
-fn refuse_second_ring(before: &[Repair], deed: &Repair) -> Result<(), Fault> {
+///
+/// # Errors
+/// If the repair is a ring and there was one before.
+pub fn refuse_second_ring(before: &[Repair], deed: &Repair) -> Result<(), Fault> {
     let is_ring = |repair: &Repair| matches!(repair, Repair::Ring(_));
     match before.iter().position(is_ring) {
         Some(first) if is_ring(deed) => Err(Fault::error(

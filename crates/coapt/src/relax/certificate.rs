@@ -11,7 +11,7 @@ use crate::model::Model;
 /// The facts that decide whether a closed shape may be believed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
-    /// Largest force left on a free vertex over the mean nodal pressure force [1].
+    /// Largest force left on a free vertex over the [reference force](super::load::reference_force_n) [1].
     pub residual: f64,
     /// Whether a small push is answered by a return: the symmetric part of the tangent is positive definite, or,
     /// failing that, no eigenvalue of the whole tangent has a negative real part, but for rounding of the zeros that slack
@@ -68,7 +68,7 @@ fn deepest_contact(pairs: &[Pair], positions_mm: &[Vec3]) -> Option<(f64, Vec3)>
 
 /// Bound on the error of the visible surface over how far the faces cut its curvature, both root mean square [1], and over
 /// the mean edge length [1]. Fitted on the five presets at about 650 and 2600 triangles against 10,400: together they
-/// cover nine of the ten errors, which they overestimate by 1.1 to 3; the tenth, of the flail valve at 2600, is 1.5 times
+/// cover nine of the ten errors, which they overestimate by 1.1 to 3.7; the tenth, of the flail valve at 2600, is 1.5 times
 /// the bound. Bends alone do not tell everything: from 650 to 2600 they fall to a quarter, errors to a quarter to two
 /// thirds.
 const ERROR_PER_SAGITTA: f64 = 4.0;

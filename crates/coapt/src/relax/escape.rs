@@ -15,8 +15,9 @@ const ESCAPE_STEP: f64 = 0.25;
 const INVERSE_ITERATIONS: u32 = 8;
 
 impl Newton<'_> {
-    /// Whether the valve stays where it is when pushed a little; see [`super::stability`]. The tangent is left
-    /// factorised with the first of some rising dampings that makes its symmetric part positive definite.
+    /// Whether the valve stays where it is when pushed a little; see [`super::stability`]. Where that cannot be found out it does not
+    /// count as staying. The tangent is left factorised with the first of some rising dampings that makes its symmetric part positive
+    /// definite, if any does.
     pub(super) fn is_stable(&mut self, positions: &[Vec3]) -> bool {
         if self.system.free.is_empty() {
             return true;
@@ -28,7 +29,9 @@ impl Newton<'_> {
         if self.system.factorise(self.least_damping) {
             return true;
         }
-        let shift = self.factorise_with_least_shift();
+        let Some(shift) = self.factorise_with_least_shift() else {
+            return false;
+        };
         // Eigenvalues of zero stand in the way of others, and take no part: K + σM keeps the weight of what has them.
         let mut weight_mm2 = self.system.weight_mm2.clone();
         for (weight, stiffness) in weight_mm2.iter_mut().zip(self.system.own_stiffness()) {
@@ -38,17 +41,19 @@ impl Newton<'_> {
         }
         let system = &mut self.system;
         let solve = |right: &mut [Vec3]| {
-            system.solve_unsymmetric(positions, system.damping, right, stability::TOLERANCE);
+            let effort = system.solve_unsymmetric(positions, system.damping, right, stability::TOLERANCE);
+            effort.left <= stability::TOLERANCE
         };
         let start = (0..weight_mm2.len()).map(pseudo_random).collect();
         // What has hardly any stiffness has eigenvalues of zero, less what the solution leaves of the shift.
         let zero = self.least_damping + stability::TOLERANCE * shift;
-        stability::least_real_part(solve, &weight_mm2, shift, start) > -zero
+        stability::least_real_part(solve, &weight_mm2, shift, start).is_some_and(|least| least > -zero)
     }
 
     /// Factorises the tangent with the first of some rising dampings, from twice the least one, that makes its symmetric part positive
-    /// definite. It is sought from where the last steps found it, upwards or downwards.
-    fn factorise_with_least_shift(&mut self) -> f64 {
+    /// definite; nothing where none does, the tangent not being of numbers. It is sought from where the last steps found it, upwards or
+    /// downwards.
+    fn factorise_with_least_shift(&mut self) -> Option<f64> {
         let first = SHIFT_RISE * self.least_damping;
         let rises = (self.factor_damping / first).log(SHIFT_RISE).ceil().max(0.0);
         let mut shift = first * SHIFT_RISE.powf(rises);
@@ -57,8 +62,11 @@ impl Newton<'_> {
         }
         while !self.system.factorise(shift) {
             shift *= SHIFT_RISE;
+            if !shift.is_finite() {
+                return None;
+            }
         }
-        shift
+        Some(shift)
     }
 
     /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in
@@ -75,7 +83,8 @@ impl Newton<'_> {
             let longest = direction.iter().map(|x| x.norm()).fold(0.0, f64::max);
             direction.iter_mut().for_each(|x| *x /= longest);
         }
-        if self.system.curvature(&direction, &mut self.right) >= 0.0 {
+        let leads_away = self.system.curvature(&direction, &mut self.right) < 0.0;
+        if !leads_away {
             return false;
         }
         let merit = Merit::new(self.model, positions);

@@ -17,6 +17,15 @@ const LIMIT: usize = 30;
 /// 100,000 faces; fewer, and the last solutions for an eigenvalue begin from nothing.
 const KEPT: usize = 120;
 
+/// What a solution took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Products with the matrix.
+    pub products: usize,
+    /// The part of the right-hand side that is left [1]; more than was asked for, or not a number, where the solution failed.
+    pub left: f64,
+}
+
 /// Solves with one matrix after the other, keeping its room.
 #[derive(Clone, Debug, Default)]
 pub struct Krylov {
@@ -36,16 +45,17 @@ impl Krylov {
     }
 
     /// Solves A x = b in place, given the product with A and the solution with a matrix near A, until the residual has
-    /// fallen to `tolerance` times the right-hand side; returns how many products that took. Shape `[size]`. A is that of the last
-    /// call unless [`Krylov::forget`] was called since.
+    /// fallen to `tolerance` times the right-hand side, or [`LIMIT`] products were of no help; says what it took. Shape `[size]`. A is
+    /// that of the last call unless [`Krylov::forget`] was called since.
     pub fn solve(
         &mut self,
         mut multiply: impl FnMut(&[Vec3], &mut [Vec3]),
         precondition: impl Fn(&mut [Vec3]),
         right: &mut [Vec3],
         tolerance: f64,
-    ) -> usize {
-        let wanted = tolerance * norm(right);
+    ) -> Effort {
+        let asked = norm(right);
+        let wanted = tolerance * asked;
         self.residual.clear();
         self.residual.extend_from_slice(right);
         right.fill(Vec3::zeros());
@@ -80,7 +90,14 @@ impl Krylov {
             self.kept += 1;
             self.descend(self.kept - 1, right);
         }
-        products
+        Effort {
+            products,
+            left: if asked == 0.0 {
+                0.0
+            } else {
+                norm(&self.residual) / asked
+            },
+        }
     }
 
     /// Goes along a direction until its image is no longer in the residual.
@@ -165,10 +182,11 @@ mod tests {
         let mut krylov = Krylov::default();
         let asked = |krylov: &mut Krylov, seed: f64| {
             let mut solution = right(seed);
-            let products = krylov.solve(multiply, precondition, &mut solution, tolerance);
+            let effort = krylov.solve(multiply, precondition, &mut solution, tolerance);
             // Residuals that are updated part from true ones by rounding.
             assert!(left(&solution, &right(seed)) < 1.01 * tolerance, "seed {seed}");
-            products
+            assert!(effort.left <= tolerance, "seed {seed}: {effort:?}");
+            effort.products
         };
         let first = asked(&mut krylov, 0.3);
         assert!((5..LIMIT).contains(&first), "{first}");
@@ -186,10 +204,19 @@ mod tests {
     #[test]
     fn nothing_is_solved_by_nothing() {
         let mut zeros = vec![Vec3::zeros(); SIZE];
-        assert_eq!(
-            Krylov::default().solve(multiply, precondition, &mut zeros, 1e-9),
-            0
-        );
+        let effort = Krylov::default().solve(multiply, precondition, &mut zeros, 1e-9);
+        assert_eq!((effort.products, effort.left), (0, 0.0));
         assert_eq!(norm(&zeros), 0.0);
+    }
+
+    /// Neither a preconditioner that leads nowhere nor a product that is not a number passes for a solution.
+    #[test]
+    fn what_is_not_solved_is_told() {
+        let reverse = |vector: &mut [Vec3]| vector.reverse();
+        let effort = Krylov::default().solve(multiply, reverse, &mut right(0.3), 1e-9);
+        assert!(effort.left > 1e-9, "{effort:?}");
+        let lost = |_: &[Vec3], product: &mut [Vec3]| product.fill(Vec3::repeat(f64::NAN));
+        let effort = Krylov::default().solve(lost, precondition, &mut right(0.3), 1e-9);
+        assert!(effort.left > 1e-9 || effort.left.is_nan(), "{effort:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! From coarse to fine: where a coarser model of the valve closes is where the fine one begins.
 //!
 //! On a coarse mesh a step costs little and may be long. What is left to the fine mesh is to settle, whatever its size: the
-//! same fifteen to thirty iterations at 650 faces and at 10,000. The way that the fine vertices took does not matter, as
+//! same seven to twenty-five iterations at 650 faces and at 10,000. The way that the fine vertices took does not matter, as
 //! long as nothing crosses where they begin; where something would, they walk there from the open valve, bounded by contact.
 
 use super::Status;

@@ -137,8 +137,8 @@ fn tissue_energy(model: &Model, positions_mm: &[Vec3]) -> f64 {
     bilinear_spring::energy(&model.springs, positions_mm) + membrane::energy(&model.membranes, positions_mm)
 }
 
-/// The force that residuals are measured by: the mean pressure force per leaflet vertex on the unloaded area, or, without
-/// pressure, what a strain of 1e-3 in all directions gives along a mean edge [N].
+/// The force that residuals are measured by: the mean pressure force per leaflet vertex on the unloaded area, or, where that is more,
+/// as under little pressure or in stiff tissue, what a strain of 1e-3 in all directions gives along a mean edge [N].
 ///
 /// Springs k of length L store U = Σ ½ k L² ε² at a strain ε and pull with k L ε; their mean pull, weighted by length, is
 /// 2 U / (ε Σ L), and that is taken for membranes too.

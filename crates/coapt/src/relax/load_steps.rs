@@ -12,8 +12,9 @@ use super::watch::Log;
 use crate::Vec3;
 use crate::model::Model;
 
-/// Iterations at the full load before it is tried [1]. Our choice, above what nearly all of `docs/hard-cases.md` takes on all its
-/// meshes together: sooner, and valves that come to rest by themselves would begin anew; later, and lost ones wait for longer.
+/// Iterations at the full load before it is tried, where the settings allow twice as many [1]. Our choice, above what nearly all of
+/// `docs/hard-cases.md` takes on all its meshes together: sooner, and valves that come to rest by themselves would begin anew; later,
+/// and lost ones wait for longer.
 pub(crate) const PATIENCE: u32 = 500;
 /// Steps in which pressure rises. Our choice; no other number was tried.
 const STEPS: u32 = 4;
@@ -27,7 +28,7 @@ pub(super) fn raise_pressure(model: &Model, positions: &mut Vec<Vec3>, log: &mut
         let mut lighter = model.clone();
         lighter.pressure_mpa *= f64::from(step) / f64::from(STEPS);
         let mut newton = Newton::new(&lighter);
-        newton.iteration_limit = STEP_ITERATION_LIMIT;
+        newton.iteration_limit = STEP_ITERATION_LIMIT.min(log.iterations_left(model));
         newton.evaluate(positions);
         if step == 1 && model.settings.coarse_to_fine {
             *positions = levels::begin(&mut newton, log).unwrap_or_else(|| positions.clone());

@@ -128,11 +128,14 @@ fn relax_and_log(model: &Model, start: &State, mut log: Log) -> Equilibrium {
         positions = levels::begin(&mut newton, &mut log).unwrap_or(positions);
         soft_chordae::stiffen(model, &mut positions, &mut log);
     }
-    let limit = model.settings.iteration_limit;
-    newton.iteration_limit = limit.min(PATIENCE);
+    let begins_anew = log.iterations_left(model) >= 2 * PATIENCE;
+    newton.iteration_limit = match begins_anew {
+        true => PATIENCE,
+        false => log.iterations_left(model),
+    };
     let mut status = newton.iterate(&mut positions, &mut log);
-    if is_lost(status) && limit > PATIENCE && newton.residual(&newton.gradient).is_finite() {
-        (newton, status) = begin_anew(model, limit - PATIENCE, &mut positions, &mut log);
+    if is_lost(status) && begins_anew && newton.residual(&newton.gradient).is_finite() {
+        (newton, status) = begin_anew(model, &mut positions, &mut log);
     }
     Equilibrium {
         untangled,
@@ -145,20 +148,17 @@ fn is_lost(status: Status) -> bool {
 }
 
 /// The last resorts: from little pressure to all of it, and from where that ended with the exact tangent, however far the balance.
-fn begin_anew<'a>(
-    model: &'a Model,
-    iteration_limit: u32,
-    positions: &mut Vec<Vec3>,
-    log: &mut Log,
-) -> (Newton<'a>, Status) {
+fn begin_anew<'a>(model: &'a Model, positions: &mut Vec<Vec3>, log: &mut Log) -> (Newton<'a>, Status) {
     raise_pressure(model, positions, log);
     let mut newton = Newton::new(model);
-    newton.iteration_limit = iteration_limit;
+    let left = log.iterations_left(model);
+    // Half of what is left, or less: the other resort may be the one.
+    newton.iteration_limit = left - left.div_ceil(2).min(PATIENCE);
     let mut status = newton.iterate(positions, log);
     if is_lost(status) {
         newton = Newton::new(model);
         newton.leaves_rounds = true;
-        newton.iteration_limit = iteration_limit.min(PATIENCE);
+        newton.iteration_limit = log.iterations_left(model);
         status = newton.iterate(positions, log);
     }
     (newton, status)
@@ -190,7 +190,7 @@ impl<'a> Interactive<'a> {
     /// again.
     ///
     /// # Errors
-    /// Not one target for each prescribed vertex; the valve is then left as it was.
+    /// Not one target for each prescribed vertex, or one that is not a number; the valve is then left as it was.
     pub fn close(&mut self, targets_mm: &[Vec3]) -> Result<Equilibrium, Fault> {
         self.close_and_log(targets_mm, Log::default())
     }
@@ -217,6 +217,14 @@ impl<'a> Interactive<'a> {
                 prescribed.len()
             );
             return Err(Fault::error("targets", message));
+        }
+        let is_lost = |target_mm: &Vec3| !target_mm.iter().all(|coordinate| coordinate.is_finite());
+        if let Some(lost) = targets_mm.iter().position(is_lost) {
+            let message = format!(
+                "is {:?}; expected finite coordinates",
+                targets_mm[lost].as_slice()
+            );
+            return Err(Fault::error(format!("targets[{lost}]"), message));
         }
         for (prescribed, target_mm) in prescribed.iter_mut().zip(targets_mm) {
             prescribed.target_mm = *target_mm;

@@ -216,7 +216,9 @@ impl<'a> Newton<'a> {
             };
             self.goes_round =
                 (self.model.pressure_mpa == 0.0 || self.leaves_rounds) && crawls(&residuals, ROUND);
-            let exact = self.newton_step(positions, residual, moving);
+            let Some(exact) = self.newton_step(positions, residual, moving) else {
+                return Status::Stalled;
+            };
             self.longest_mm = self.limit_step();
             self.bound_step(positions);
             let strict = goes_in_circles(&residuals) || exact && idle > IDLE_LIMIT;
@@ -265,7 +267,7 @@ impl<'a> Newton<'a> {
         load::gradient_into(self.model, &self.touches, positions, &mut self.gradient);
     }
 
-    /// Largest force on a free vertex over the mean nodal pressure force [1].
+    /// Largest force on a free vertex over the [reference force](load::reference_force_n) [1].
     pub(super) fn residual(&self, gradient: &[Vec3]) -> f64 {
         let free = self.system.free.iter();
         let squared = free.map(|&vertex| gradient[vertex as usize].norm_squared());
@@ -313,8 +315,9 @@ impl<'a> Newton<'a> {
         moving
     }
 
-    /// Finds the step that the tangent suggests, prescribed vertices included; whether it was the exact tangent.
-    fn newton_step(&mut self, positions: &[Vec3], residual: f64, moving: bool) -> bool {
+    /// Finds the step that the tangent suggests, prescribed vertices included; whether it was the exact tangent. Nothing where the
+    /// tangent is not of numbers.
+    fn newton_step(&mut self, positions: &[Vec3], residual: f64, moving: bool) -> Option<bool> {
         let is_near =
             self.longest_mm < NEAR * self.step_limit_mm && self.damping < UNBRAKED * self.first_damping;
         if residual < EXACT_BELOW || is_near || self.crawled > CRAWL_LIMIT || self.goes_round {
@@ -327,16 +330,19 @@ impl<'a> Newton<'a> {
                 self.system
                     .solve_unsymmetric(positions, self.exact_damping, right, NEWTON_TOLERANCE);
                 self.scatter();
-                return true;
+                return Some(true);
             }
         }
         self.assemble(positions, Curvature::Projected, moving);
         while !self.system.factorise(self.damping) {
             self.damping *= 10.0;
+            if !self.damping.is_finite() {
+                return None;
+            }
         }
         self.system.solve(&mut self.right);
         self.scatter();
-        false
+        Some(false)
     }
 
     /// Factorises the exact tangent with the first damping that makes it positive definite, from the present one upwards or

@@ -59,7 +59,8 @@ impl<'a> Response<'a> {
     /// How fast every vertex moves with the parameter [mm per unit of it], shape `[vertex]`.
     ///
     /// # Errors
-    /// Models of another number of vertices, or with other vertices prescribed; rates that the solver does not find.
+    /// Models of another number of vertices or chordae, with other faces, other vertices prescribed or contact of another thickness;
+    /// rates that the solver does not find.
     pub fn shape_rate(&mut self, change: &Change) -> Result<Vec<Vec3>, Fault> {
         self.check(change)?;
         let positions = self.positions_mm;
@@ -138,7 +139,7 @@ impl<'a> Response<'a> {
         let mut solution = vec![Vec3::zeros(); right.len()];
         for _ in 0..RESTARTS {
             if norm(&left) <= wanted {
-                return Ok(solution);
+                break;
             }
             system.solve_unsymmetric(self.positions_mm, 0.0, &mut left, TOLERANCE);
             solution
@@ -150,6 +151,9 @@ impl<'a> Response<'a> {
                 *left = right - product;
             }
         }
+        if norm(&left) <= wanted {
+            return Ok(solution);
+        }
         let message = format!(
             "leaves {:.0e} of the change unbalanced, expected {TOLERANCE:.0e}",
             norm(&left) / norm(&right)
@@ -159,18 +163,31 @@ impl<'a> Response<'a> {
 
     fn check(&self, change: &Change) -> Result<(), Fault> {
         let here = self.newton.model;
+        let held = |model: &Model| {
+            model
+                .prescribed
+                .iter()
+                .map(|held| held.vertex)
+                .collect::<Vec<_>>()
+        };
         for model in [change.less, change.more] {
-            let held = |model: &Model| {
-                model
-                    .prescribed
-                    .iter()
-                    .map(|held| held.vertex)
-                    .collect::<Vec<_>>()
+            let same = |kept: bool, what: &str| match kept {
+                true => Ok(()),
+                false => Err(Fault::error(
+                    "parameter",
+                    format!("changes {what}; rates are those of a valve that keeps that"),
+                )),
             };
-            if model.rest_mm.len() != here.rest_mm.len() || held(model) != held(here) {
-                let message = "changes which vertices there are or which are held; rates are those of a valve that keeps both";
-                return Err(Fault::error("parameter", message));
-            }
+            let vertices = model.rest_mm.len() == here.rest_mm.len() && held(model) == held(here);
+            same(vertices, "which vertices there are or which are held")?;
+            same(model.faces == here.faces, "the triangles")?;
+            same(
+                model.chords.ends.len() == here.chords.ends.len(),
+                "how many chordae there are",
+            )?;
+            // Where pairs begin to touch is that of the closed valve.
+            let thickness_mm = [model, here].map(|model| model.contact.thickness_mm);
+            same(thickness_mm[0] == thickness_mm[1], "the thickness of contact")?;
         }
         if !(change.width > 0.0 && change.width.is_finite()) {
             let message = format!("is {}; expected a positive number", change.width);

@@ -15,8 +15,9 @@ use crate::model::Model;
 
 /// What soft chordae give under their share of the load [mm]: what mitral ones do.
 pub(super) const SOFT_MM: f64 = 0.1;
-/// Chordae more than so many times as stiff are softened, and stiffened by as much from stage to stage [1]; our choice. Softened to the same give where they are a few times as stiff,
-/// the healthy valve takes 39 iterations instead of 48 and that of Barlow 68 instead of 61: not worth another road.
+/// Chordae more than so many times as stiff are softened, and stiffened by as much from stage to stage [1]; our choice. Softened to the
+/// same give where they are a few times as stiff, the healthy valve took 39 iterations instead of 48 and that of Barlow 68 instead of
+/// 61 when it was tried: not worth another road.
 const STAGE: f64 = 10.0;
 /// Residual at which a stage ends [1], and the iterations after which the next begins all the same: it is only a way.
 const STAGE_TOLERANCE: f64 = 0.3;

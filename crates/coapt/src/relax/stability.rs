@@ -22,14 +22,15 @@ pub const TOLERANCE: f64 = 1e-5;
 const SETTLED: f64 = 0.1;
 const SETTLED_LOOKS: u32 = 2;
 
-/// The least real part of an eigenvalue of M⁻¹K [MPa/mm], given the solution of (K + σM) x = b, in place, and the diagonal M. Where
-/// the weights of what K does not hold at all are zero, though not those in the solution, its eigenvalues of zero take no part.
+/// The least real part of an eigenvalue of M⁻¹K [MPa/mm], given the solution of (K + σM) x = b, in place, and the diagonal M; nothing
+/// where a solution failed, which `solve` answers with false, or was no number. Where the weights of what K does not hold at all are
+/// zero, though not those in the solution, its eigenvalues of zero take no part.
 pub fn least_real_part(
-    mut solve: impl FnMut(&mut [Vec3]),
+    mut solve: impl FnMut(&mut [Vec3]) -> bool,
     weight_mm2: &[f64],
     shift: f64,
     start: Vec<Vec3>,
-) -> f64 {
+) -> Option<f64> {
     let mut basis = vec![start];
     normalise(&mut basis[0]);
     let mut hessenberg = DMatrix::<f64>::zeros(KRYLOV_SIZE + 1, KRYLOV_SIZE);
@@ -40,7 +41,9 @@ pub fn least_real_part(
             .zip(weight_mm2)
             .map(|(x, weight)| x * *weight)
             .collect();
-        solve(&mut next);
+        if !solve(&mut next) {
+            return None;
+        }
         // Twice, because once leaves rounding that later steps would take for signal.
         for _ in 0..2 {
             for (row, direction) in basis.iter().enumerate() {
@@ -54,7 +57,10 @@ pub fn least_real_part(
         let length = normalise(&mut next);
         hessenberg[(size + 1, size)] = length;
         size += 1;
-        if length.is_nan() || length <= f64::EPSILON * hessenberg[(0, 0)].abs() {
+        if !length.is_finite() {
+            return None;
+        }
+        if length <= f64::EPSILON * hessenberg[(0, 0)].abs() {
             break;
         }
         basis.push(next);
@@ -63,12 +69,12 @@ pub fn least_real_part(
             let is_settled = (least - last).abs() <= (SETTLED * least.abs()).max(TOLERANCE * shift);
             settled = if is_settled { settled + 1 } else { 0 };
             if settled == SETTLED_LOOKS {
-                return least;
+                return Some(least);
             }
             last = least;
         }
     }
-    least_of(&hessenberg, size, shift)
+    Some(least_of(&hessenberg, size, shift))
 }
 
 fn least_of(hessenberg: &DMatrix<f64>, size: usize, shift: f64) -> f64 {
@@ -102,11 +108,29 @@ mod tests {
                 for (k, x) in x.iter_mut().enumerate() {
                     *x = inverse * *x / (1.0 + 0.1 * k as f64);
                 }
+                true
             };
             let start = (1..4).map(|k| Vec3::new(f64::from(k), 1.0, 0.5)).collect();
-            let least = least_real_part(solve, &weight, shift, start);
+            let least = least_real_part(solve, &weight, shift, start).unwrap();
             assert!((least - expected).abs() < 1e-9, "{least} {expected}");
         }
+    }
+
+    /// A failed solution, or one that is not a number, is no eigenvalue: such a balance must not count as lasting.
+    #[test]
+    fn what_cannot_be_solved_has_no_eigenvalue() {
+        let start = || {
+            (1..4)
+                .map(|k| Vec3::new(f64::from(k), 1.0, 0.5))
+                .collect::<Vec<_>>()
+        };
+        let failed = |_: &mut [Vec3]| false;
+        assert_eq!(least_real_part(failed, &[1.0; 3], 1.0, start()), None);
+        let lost = |x: &mut [Vec3]| {
+            x.fill(Vec3::repeat(f64::NAN));
+            true
+        };
+        assert_eq!(least_real_part(lost, &[1.0; 3], 1.0, start()), None);
     }
 
     /// Diagonal stiffnesses 1 and 2, and a point that nothing holds: with its weight its zero is the least, without it 1 is.
@@ -117,10 +141,11 @@ mod tests {
             for (x, stiffness) in x.iter_mut().zip(stiffness) {
                 *x /= stiffness + shift;
             }
+            true
         };
         for (weight, expected) in [(1.0, 0.0), (0.0, 1.0)] {
             let start = (1..4).map(|k| Vec3::new(f64::from(k), 1.0, 0.5)).collect();
-            let least = least_real_part(solve, &[1.0, 1.0, weight], shift, start);
+            let least = least_real_part(solve, &[1.0, 1.0, weight], shift, start).unwrap();
             assert!((least - expected).abs() < 1e-9, "{least} {expected}");
         }
     }

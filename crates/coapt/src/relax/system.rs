@@ -3,7 +3,7 @@
 use super::block_matrix::BlockMatrix;
 use super::cholesky::{Factor, Symbolic};
 use super::elastic::{Elastic, Moved, PRESCRIBED};
-use super::krylov::Krylov;
+use super::krylov::{Effort, Krylov};
 use super::load;
 use crate::contact::pairs::{Pair, PairKind};
 use crate::contact::surface::Surface;
@@ -190,7 +190,7 @@ impl<'a> System<'a> {
         damping: f64,
         right: &mut [Vec3],
         tolerance: f64,
-    ) {
+    ) -> Effort {
         let Self {
             model,
             rim,
@@ -217,7 +217,7 @@ impl<'a> System<'a> {
             tangent.multiply_into(positions, damping, vector, product)
         };
         let precondition = |vector: &mut [Vec3]| symbolic.solve_in_place(factor, vector);
-        krylov.solve(multiply, precondition, right, tolerance);
+        krylov.solve(multiply, precondition, right, tolerance)
     }
 
     /// The true tangent times a vector over the free vertices.
@@ -234,7 +234,7 @@ impl<'a> System<'a> {
         tangent.multiply_into(positions, 0.0, vector, product);
     }
 
-    /// The true tangent times a vector over all vertices, prescribed ones zero: for tests of curvature.
+    /// Curvature of the symmetric tangent K along a direction x over the free vertices, xᵀ K x [N·mm]; leaves K x in `product`.
     pub(super) fn curvature(&self, direction: &[Vec3], product: &mut [Vec3]) -> f64 {
         self.matrix.multiply_into(direction, product);
         direction.iter().zip(product).map(|(x, kx)| x.dot(kx)).sum()

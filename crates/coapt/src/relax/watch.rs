@@ -39,6 +39,14 @@ impl<'w> Log<'w> {
         }
     }
 
+    /// Iterations that the settings of a valve still allow on its own mesh.
+    pub(super) fn iterations_left(&self, model: &Model) -> u32 {
+        let is_own = |iteration: &&Iteration| iteration.faces == model.faces.len();
+        let made = self.history.iter().filter(is_own).count();
+        let limit = model.settings.iteration_limit;
+        limit.saturating_sub(u32::try_from(made).unwrap_or(u32::MAX))
+    }
+
     /// Notes an iteration; breaks where the watcher says so.
     pub(super) fn note(
         &mut self,

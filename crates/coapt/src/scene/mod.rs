@@ -287,9 +287,10 @@ impl Default for Weld {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
-    /// Largest force left on a free vertex, over the mean nodal pressure force [1].
+    /// Largest force left on a free vertex, over the mean nodal pressure force or, where that is more, the pull of a strain of
+    /// 1e-3 [1].
     pub residual_tolerance: f64,
-    /// Give up after so many solver iterations on one mesh, and say so.
+    /// Give up after so many solver iterations on one mesh, begun anew or not, and say so.
     pub iteration_limit: u32,
     /// Whether an open valve is closed on coarser meshes first. The result is the same but for what several stable shapes
     /// allow; without it large meshes take far longer.
@@ -306,7 +307,7 @@ impl Default for Settings {
         // force balances exact to 1e-6.
         Self {
             residual_tolerance: 1e-6,
-            iteration_limit: 2000,
+            iteration_limit: 4000,
             coarse_to_fine: true,
             step_scale: 1.0,
             // Some 11 GB and 8 minutes: what a good workstation has to spare. Leaflets of 250,000 triangles have edges of

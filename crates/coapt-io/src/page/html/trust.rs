@@ -77,7 +77,7 @@ fn certificate(number: usize, state: &PageState) -> String {
         (
             "what the mesh costs",
             format!(
-                "{:.2} mm from an infinitely fine mesh, root mean square (estimate)",
+                "up to {:.2} mm from an infinitely fine mesh, root mean square (estimate)",
                 certificate.discretisation_mm
             ),
         ),

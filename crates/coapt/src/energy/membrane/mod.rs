@@ -104,7 +104,7 @@ pub struct Membranes {
 impl Membranes {
     /// Adds a triangle; `fibre` points about along its first axis, any length, and is laid into its plane.
     ///
-    /// A triangle without area, or a fibre that stands on it, takes its first side as the axis.
+    /// Where the fibre stands on the triangle its first side is the axis; one without area takes the fibre as it is.
     pub fn push(&mut self, corners: [u32; 3], tissue: u32, thickness_mm: f64, rest_mm: &[Vec3], fibre: Vec3) {
         let [a, b, c] = corners.map(|corner| rest_mm[corner as usize]);
         let (side, other) = (b - a, c - a);
