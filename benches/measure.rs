@@ -1,8 +1,8 @@
 //! Measuring the closed valve: `measure` (everything that is reported of one state but the narrowest passage), `passage` (that) and
 //! `visible` (how far two valves lie apart where they are seen).
 //!
-//! The first is paid once per closure, and at every frame of a view that shows figures while the valve is moved. The
-//! second needs no closed valve: the open one against a valve of other size costs as much.
+//! `measure` is paid once per closure, and at every frame of a view that shows figures while the valve is moved. `visible` needs
+//! no closed valve: the open one against a valve of other size costs as much.
 
 use coapt::measure::{measure, passage_mm2, visible_distance};
 use coapt::mesh::parametric::{Preset, ValveParameters, generate};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use coapt::plan::{Progress, Watch};
+use coapt::plan::{Progress, Watch, refuse_second_ring};
 use coapt::scene::Fault;
 use coapt_io::page::page_of_plan;
 use coapt_io::plan::{self, PlanFile, PlanReport, Shapes, Stage, csv, prepare_shapes, text, write_plan};
@@ -131,6 +131,13 @@ fn carry_out(
 ) -> Result<Done, Vec<Fault>> {
     let path = Path::new(&text.name);
     let (mut plan, more) = alternatives_up_to(path, &text.text, max_alternatives, "max_alternatives")?;
+    let deeds = plan
+        .alternatives
+        .iter()
+        .flat_map(|alternative| &alternative.repairs);
+    for deed in deeds {
+        refuse_second_ring(&built.repairs, deed).map_err(|fault| vec![fault])?;
+    }
     let more = more.iter().map(|warning| text.told(warning));
     let warnings: Vec<Fault> = built.warnings.iter().cloned().chain(more).collect();
     let on_stage = |stage, work: &mut dyn FnMut(Watch)| {

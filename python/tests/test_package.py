@@ -95,6 +95,7 @@ def test_a_second_ring_is_refused_however_it_is_asked_for(healthy):
         lambda: ringed.with_repair(other),
         lambda: coapt.closure(ringed, other),
         lambda: ringed.interactive().set_ring(other),
+        lambda: coapt.plan(ringed, [other]),
     ):
         with pytest.raises(coapt.InputError, match=r"it would be sewn where repair\[0\] has sewn a ring"):
             ask()

@@ -64,7 +64,8 @@ const FULL: [Road; 23] = [
     Ring("physio-like:30"),
 ];
 
-/// How far apart the visible surfaces at the ends of two roads may lie, root mean square [mm].
+/// How far apart the visible surfaces at the ends of two roads may lie, root mean square [mm]: a tenth of what imaging resolves, twice
+/// the farthest that was seen.
 const TOLERANCE_MM: f64 = 0.05;
 
 fn travel(road: Road, model: &Model, closed: &State) -> Equilibrium {
@@ -142,6 +143,11 @@ fn road_to_second_shape(preset: Preset) -> Option<Road> {
     }
 }
 
+/// Whether a road may lead to the second shape: to Barlow's only through a ring.
+fn may_end_in_second_shape(preset: Preset, road: Road) -> bool {
+    preset != Preset::Barlow || matches!(road, Ring(_))
+}
+
 /// The full table takes a minute and runs on request (`COAPT_ROADS=1`); it is printed, so run it with `--nocapture`.
 #[test]
 #[allow(clippy::print_stderr, reason = "the table is what the full run is for")]
@@ -157,14 +163,21 @@ fn every_road_leads_to_the_same_visible_surface() {
         let mut states = vec![closed.clone()];
         let second = road_to_second_shape(preset);
         states.extend(second.map(|road| travel(road, &model, &closed.state)));
-        if let (true, [first, second]) = (full, &states[..]) {
+        if let [first, second] = &states[..] {
             let positions = [first, second].map(|state| &state.state.positions_mm);
             let apart = visible_distance(&model, positions[0], &model, positions[1]).expect("it has a plane");
-            let [rms_mm, max_mm] = [apart.rms_mm, apart.max_mm];
-            eprintln!(
-                "{:10} shape 1: rms {rms_mm:.3} max {max_mm:.2} mm from shape 0",
-                preset.name()
+            let line = format!(
+                "{:10} shape 1: rms {:.3} max {:.2} mm from shape 0",
+                preset.name(),
+                apart.rms_mm,
+                apart.max_mm
             );
+            if full {
+                eprintln!("{line}");
+            }
+            if apart.rms_mm <= TOLERANCE_MM {
+                complaints.push(line);
+            }
         }
         for &road in roads {
             let end = travel(road, &model, &closed.state);
@@ -172,7 +185,11 @@ fn every_road_leads_to_the_same_visible_surface() {
                 let positions = [&state.state.positions_mm, &end.state.positions_mm];
                 visible_distance(&model, positions[0], &model, positions[1]).expect("it has a plane")
             };
-            let distances = states.iter().map(from).enumerate();
+            let admitted = match may_end_in_second_shape(preset, road) {
+                true => &states[..],
+                false => &states[..1],
+            };
+            let distances = admitted.iter().map(from).enumerate();
             let nearest = distances.min_by(|(_, one), (_, other)| one.rms_mm.total_cmp(&other.rms_mm));
             let (shape, apart) = nearest.expect("at least one state");
             let certified = end.certificate.is_certified(end.status);

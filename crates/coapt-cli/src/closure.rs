@@ -8,7 +8,6 @@ use coapt::model::{Built, Model};
 use coapt::plan::{Applied, apply_all};
 use coapt::repair::parse_ring_spec;
 use coapt::scene::{Fault, Repair};
-use coapt_io::atomic::make_folder;
 use coapt_io::picture::{Quantity, check_name, write_closure_picture};
 use coapt_io::plan::in_plan;
 use coapt_io::record::Source;
@@ -16,7 +15,7 @@ use coapt_io::report::{Closed, Closure, Report, text, write_results};
 use coapt_io::scene::{alternative_from_text, located, read_text, sentence};
 
 use crate::case::{self, SizeLimit};
-use crate::film::{FilmArguments, Scenery, is_no_folder};
+use crate::film::{FilmArguments, Scenery, is_no_folder, make_folder_of};
 use crate::interrupt::close_watched;
 use crate::output::{Failure, Verdict, print, say};
 use crate::whole_number::{THREADS_ALLOWED, whole_number};
@@ -101,9 +100,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     if let Some(path) = &arguments.picture {
         is_no_folder("--picture", path)?;
         check_name("--picture", path).map_err(|fault| vec![fault])?;
-        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            make_folder(folder).map_err(Failure::Outside)?;
-        }
+        make_folder_of(path)?;
     }
     let (closure, report, films) = on_threads(arguments.threads, || {
         let closure = close(built, plan.as_ref())?;

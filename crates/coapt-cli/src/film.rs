@@ -51,6 +51,12 @@ pub(crate) fn is_no_folder(option: &str, file: &Path) -> Result<(), Failure> {
     }
 }
 
+/// Makes the folder of a file, if it names one and that is not there.
+pub(crate) fn make_folder_of(file: &Path) -> Result<(), Failure> {
+    let named = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    named.map_or(Ok(()), make_folder).map_err(Failure::Outside)
+}
+
 /// A closed valve to be filmed, and what repairs did to it.
 #[derive(Clone, Copy)]
 pub(crate) struct Scenery<'a> {
@@ -79,10 +85,12 @@ impl FilmArguments {
             file.as_deref()
                 .map_or(Ok(()), |file| is_no_folder(option, file))?;
         }
-        let files = [&self.record, &self.glb].into_iter().flatten();
-        let parents = files.filter_map(|file| file.parent().filter(|folder| !folder.as_os_str().is_empty()));
-        let mut folders = parents.chain(self.sequence.as_deref());
-        folders.try_for_each(make_folder).map_err(Failure::Outside)
+        let mut files = [&self.record, &self.glb].into_iter().flatten();
+        files.try_for_each(|file| make_folder_of(file))?;
+        self.sequence
+            .as_deref()
+            .map_or(Ok(()), make_folder)
+            .map_err(Failure::Outside)
     }
 
     /// Whether anything is filmed.

@@ -33,7 +33,7 @@ class Certificate:
     max_penetration_at_mm : tuple of float or None
         Where that is [mm]; None without contact.
     discretisation_mm : float
-        Estimated distance of the visible surface from that of an infinitely fine mesh, root mean square [mm].
+        Bound on the distance of the visible surface from that of an infinitely fine mesh, root mean square, estimated [mm].
     """
 
     certified: bool

@@ -5,6 +5,7 @@ use std::path::Path;
 use coapt::model::Model;
 use coapt::plan::apply_all;
 use coapt::relax::relax;
+use coapt::scene::Settings;
 use coapt::state::State;
 use coapt_io::report::{Closed, Closure, Report, write_results};
 use coapt_io::scene::{alternative_from_text, read_scene, scene_file};
@@ -327,7 +328,8 @@ fn an_unfinished_closure_prints_its_report_and_is_status_3() {
     let folder = Folder::new("limit");
     let valve = folder.valve(&[]);
     let scene = Path::new(&valve).join("scene.toml");
-    replace(&scene, "iteration_limit = 2000", "iteration_limit = 3");
+    let default = format!("iteration_limit = {}", Settings::default().iteration_limit);
+    replace(&scene, &default, "iteration_limit = 3");
     let output = coapt(&["closure", &valve]);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     let text = stdout(&output);

@@ -48,6 +48,24 @@ fn a_scene_is_fitted_and_closes_to_the_target() {
     }
 }
 
+/// No length of chordae brings a valve to a target that lies elsewhere: factors are given, and doubted. One that they reach is not.
+#[test]
+fn a_target_that_chordae_do_not_reach_is_doubted() {
+    let folder = Folder::new("elsewhere");
+    let given = valve(&folder, "given", "1.0");
+    let closed = folder.path("closed");
+    let ring = ["closure", &given, "--ring", "physio-like:26", "--out", &closed];
+    assert!(coapt(&ring).status.success());
+    for (target, doubted) in [("after/closed.vtp", true), ("before/closed.vtp", false)] {
+        let text = stdout(&coapt(&["personalise", &given, &format!("{closed}/{target}")]));
+        assert_eq!(
+            text.contains("more than chordae explain"),
+            doubted,
+            "{target}: {text}"
+        );
+    }
+}
+
 /// A closed annulus that the scene does not know of goes into the scene that is written.
 #[test]
 fn the_annulus_of_the_target_is_taken_over() {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use coapt::scene::Settings;
 use serde_json::Value;
 
 use crate::program::{Folder, coapt, snapshot, stderr, stdout};
@@ -133,7 +134,8 @@ fn what_is_not_certified_is_status_3() {
     let valve = folder.preset("valve", "dilated", &[]);
     let scene = Path::new(&valve).join("scene.toml");
     let text = std::fs::read_to_string(&scene).unwrap();
-    let limited = text.replace("iteration_limit = 2000", "iteration_limit = 3");
+    let default = format!("iteration_limit = {}", Settings::default().iteration_limit);
+    let limited = text.replace(&default, "iteration_limit = 3");
     assert!(limited != text, "{text}");
     std::fs::write(&scene, limited).unwrap();
     let rings = plan(&folder, "plan.toml", &format!("{RING}size_mm = [28, 30]\n"));

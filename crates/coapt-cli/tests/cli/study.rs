@@ -116,7 +116,7 @@ fn a_study_of_a_scene_has_its_own_mesh_and_wrong_lists_are_refused() {
     assert!(stdout(&output).contains(told), "{}", stdout(&output));
     for name in ["study.json", "study.svg"] {
         let text = std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
-        assert!(text.contains("solver alone"), "{name}");
+        assert!(text.contains(told), "{name}");
     }
     let never = folder.path("never");
     for (wrong, told) in [

@@ -217,7 +217,7 @@ pub struct Trust {
     pub crossings: usize,
     /// How far mid-surfaces in contact are nearer than the contact distance, at most [mm].
     pub max_penetration_mm: f64,
-    /// Expected distance from an infinitely fine mesh, root mean square [mm].
+    /// Bound on the distance from an infinitely fine mesh, root mean square, estimated [mm].
     pub discretisation_mm: f64,
     /// The number of the alternative at whose closed shape it began; absent where it began open.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -322,7 +322,10 @@ pub(super) fn figures() -> Value {
             "certified": { "type": "boolean", "description": "whether the frame is a balance: converged, stable, nothing crosses" },
             "status": { "type": "string", "description": "why the solver stopped" },
             "pressure_mmhg": number("transvalvular pressure [mmHg]"),
-            "residual": number("largest force on a free vertex over the mean nodal pressure force or, where that is more, the pull of a strain of 1e-3 [1]"),
+            "residual": number(
+                "largest force on a free vertex over the mean nodal pressure force or, where that is more, the pull of a strain of \
+                 1e-3 [1]",
+            ),
             "elastic_energy_mj": number("energy that leaflets and chordae store [mJ]"),
             "coaptation_area_mm2": number("contact area of the leaflets [mm²]"),
             "orifice_area_mm2": number("anatomic orifice, open in systole [mm²]"),

@@ -166,7 +166,7 @@ pub struct Solve {
     /// Where that is [mm]; absent without contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_penetration_at_mm: Option<[f64; 3]>,
-    /// Expected distance from an infinitely fine mesh, root mean square [mm].
+    /// Bound on the distance from an infinitely fine mesh, root mean square, estimated [mm].
     pub discretisation_mm: f64,
 }
 

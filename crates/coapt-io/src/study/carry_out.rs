@@ -4,7 +4,9 @@ use coapt::measure::{VisibleDistance, visible_distance};
 use coapt::model::Model;
 use coapt::relax::Equilibrium;
 
-use super::{ERROR_MEANS, Factor, KNEE_MEANS, Reference, Row, SOLVER_ERROR_MEANS, STUDY_SCHEMA, Study, mark};
+use super::{
+    ERROR_MEANS, Factor, KNEE_MEANS, OWN_MESH_ERROR_MEANS, Reference, Row, STUDY_SCHEMA, Study, mark,
+};
 use crate::report::NOTICE;
 
 /// Mesh sizes of a preset, in triangles: from the coarsest that still looks like a valve to the one at which the leaflets'
@@ -91,7 +93,7 @@ pub fn carry_out(
         version: env!("CARGO_PKG_VERSION").into(),
         notice: NOTICE.into(),
         error: match rows.iter().all(|row| row.faces == reference.faces) {
-            true => SOLVER_ERROR_MEANS.into(),
+            true => OWN_MESH_ERROR_MEANS.into(),
             false => ERROR_MEANS.into(),
         },
         knee: KNEE_MEANS.into(),

@@ -48,8 +48,7 @@ pub const STUDY_SCHEMA: &str = "coapt-study/1";
 pub const ERROR_MEANS: &str = "distance to the reference where the valve is seen from the atrium";
 
 /// What they are where the reference has no finer mesh, as with a scene, which has but its own.
-pub const SOLVER_ERROR_MEANS: &str = "of the solver alone: distance to the same mesh solved tightest, where the valve is seen from the \
-                                      atrium";
+pub const OWN_MESH_ERROR_MEANS: &str = "distance to the same mesh solved tightest where the valve is seen from the atrium: what the mesh costs is not in it";
 
 /// How the knee is found.
 pub const KNEE_MEANS: &str = "of the closures that none beats in both time and error, the one farthest below the \
@@ -64,7 +63,7 @@ pub struct Study {
     pub version: Cow<'static, str>,
     /// [`crate::report::NOTICE`].
     pub notice: Cow<'static, str>,
-    /// [`ERROR_MEANS`] or [`SOLVER_ERROR_MEANS`].
+    /// [`ERROR_MEANS`] or [`OWN_MESH_ERROR_MEANS`].
     pub error: Cow<'static, str>,
     /// [`KNEE_MEANS`].
     pub knee: Cow<'static, str>,
@@ -79,9 +78,9 @@ pub struct Study {
 }
 
 impl Study {
-    /// Whether errors are those of the solver alone, since the reference has the mesh of every closure.
-    pub fn is_of_solver_alone(&self) -> bool {
-        self.error == SOLVER_ERROR_MEANS
+    /// Whether what the mesh costs is not in the errors, since the reference has the mesh of every closure.
+    pub fn is_without_mesh_error(&self) -> bool {
+        self.error == OWN_MESH_ERROR_MEANS
     }
 }
 

@@ -102,8 +102,8 @@ impl Picture {
         self.text(
             [x, y],
             &format!("text-anchor=\"middle\" transform=\"rotate(-90 {x} {y})\""),
-            match study.is_of_solver_alone() {
-                true => "error of the solver alone, visible surface, root mean square [mm]",
+            match study.is_without_mesh_error() {
+                true => "error of the visible surface without that of the mesh, root mean square [mm]",
                 false => "error of the visible surface, root mean square [mm]",
             },
         );

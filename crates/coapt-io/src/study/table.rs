@@ -67,8 +67,8 @@ pub fn text(study: &Study) -> String {
          distance between visible surfaces; own mesh: the same to its tightest tolerance",
         reference.faces, reference.residual
     );
-    if study.is_of_solver_alone() {
-        out += "errors are those of the solver alone: what the mesh costs is not in them\n";
+    if study.is_without_mesh_error() {
+        out += "it is a distance to the same mesh: what the mesh costs is not in it\n";
     }
     out.push('\n');
     out += "triangles  tolerance  thickness     time  steps   error    95 %  largest  own mesh\n";

@@ -57,7 +57,7 @@ pub use tenting::{BillowMeasures, TentingMeasures};
 pub use valve_frame::{ValveFrame, annulus_distance_mm, valve_frame};
 pub use visible::{VisibleDistance, visible_distance};
 
-/// Everything that is reported of one closed state; the narrowest passage is among it where [`measure_with_passage`] found it.
+/// Everything that is reported of one closed state; the narrowest passage is among it where `measure_with_passage` found it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measures {
     /// Size and shape of the annulus.
@@ -89,7 +89,7 @@ pub struct Measures {
 ///
 /// No number in the result is ever infinite or undefined: positions of the wrong shape, not finite, or farther out
 /// than a kilometre are not measured, and the open valve is measured in their stead. Whether they are a closed valve's is the
-/// certificate's to say; no solver's end is among them.
+/// certificate's to say, which no such positions have.
 pub fn measure(model: &Model, positions_mm: &[Vec3], nodal_reaction_n: &[Vec3]) -> Measures {
     let positions_mm = usable_positions(model, positions_mm);
     let surface = surface::surface(model, positions_mm);

@@ -15,23 +15,25 @@ const ESCAPE_STEP: f64 = 0.25;
 const INVERSE_ITERATIONS: u32 = 8;
 
 impl Newton<'_> {
-    /// Whether the valve stays where it is when pushed a little; see [`super::stability`]. Where that cannot be found out it does not
-    /// count as staying. The tangent is left factorised with the first of some rising dampings that makes its symmetric part positive
-    /// definite, if any does.
+    /// Whether the valve stays where it is when pushed a little; where that cannot be found out it does not count as staying.
     pub(super) fn is_stable(&mut self, positions: &[Vec3]) -> bool {
+        self.stability(positions).unwrap_or(false)
+    }
+
+    /// The same, see [`super::stability`]; nothing where the tangent is not of numbers. Else it is left factorised with the first of some
+    /// rising dampings that makes its symmetric part positive definite.
+    fn stability(&mut self, positions: &[Vec3]) -> Option<bool> {
         if self.system.free.is_empty() {
-            return true;
+            return Some(true);
         }
         self.system
             .assemble(&self.near, &self.touches, positions, Curvature::Exact, None);
         // Slack chord nodes have no stiffness at all: the least damping, far below any tissue's, keeps them from
         // counting.
         if self.system.factorise(self.least_damping) {
-            return true;
+            return Some(true);
         }
-        let Some(shift) = self.factorise_with_least_shift() else {
-            return false;
-        };
+        let shift = self.factorise_with_least_shift()?;
         // Eigenvalues of zero stand in the way of others, and take no part: K + σM keeps the weight of what has them.
         let mut weight_mm2 = self.system.weight_mm2.clone();
         for (weight, stiffness) in weight_mm2.iter_mut().zip(self.system.own_stiffness()) {
@@ -47,7 +49,8 @@ impl Newton<'_> {
         let start = (0..weight_mm2.len()).map(pseudo_random).collect();
         // What has hardly any stiffness has eigenvalues of zero, less what the solution leaves of the shift.
         let zero = self.least_damping + stability::TOLERANCE * shift;
-        stability::least_real_part(solve, &weight_mm2, shift, start).is_some_and(|least| least > -zero)
+        let least = stability::least_real_part(solve, &weight_mm2, shift, start);
+        Some(least.is_some_and(|least| least > -zero))
     }
 
     /// Factorises the tangent with the first of some rising dampings, from twice the least one, that makes its symmetric part positive
@@ -72,9 +75,9 @@ impl Newton<'_> {
     /// Leaves a balance of forces that the slightest push would upset: moves a little along the direction in
     /// which the tangent is most negative. False where there is no such direction; then it notes whether the balance lasts.
     pub(super) fn escape(&mut self, positions: &mut Vec<Vec3>) -> bool {
-        let is_stable = self.is_stable(positions);
-        self.stable = Some(is_stable);
-        if is_stable {
+        let stability = self.stability(positions);
+        self.stable = Some(stability == Some(true));
+        if stability != Some(false) {
             return false;
         }
         let mut direction: Vec<Vec3> = (0..self.system.free.len()).map(pseudo_random).collect();

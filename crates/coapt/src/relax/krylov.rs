@@ -45,7 +45,7 @@ impl Krylov {
     }
 
     /// Solves A x = b in place, given the product with A and the solution with a matrix near A, until the residual has
-    /// fallen to `tolerance` times the right-hand side, or [`LIMIT`] products were of no help; says what it took. Shape `[size]`. A is
+    /// fallen to `tolerance` times the right-hand side, or the most products are made; says what it took. Shape `[size]`. A is
     /// that of the last call unless [`Krylov::forget`] was called since.
     pub fn solve(
         &mut self,

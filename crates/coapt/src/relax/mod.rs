@@ -152,7 +152,7 @@ fn begin_anew<'a>(model: &'a Model, positions: &mut Vec<Vec3>, log: &mut Log) ->
     raise_pressure(model, positions, log);
     let mut newton = Newton::new(model);
     let left = log.iterations_left(model);
-    // Half of what is left, or less: the other resort may be the one.
+    // Half of what is left, at most PATIENCE, is kept for the other resort.
     newton.iteration_limit = left - left.div_ceil(2).min(PATIENCE);
     let mut status = newton.iterate(positions, log);
     if is_lost(status) {

@@ -334,9 +334,11 @@ impl<'a> Newton<'a> {
             }
         }
         self.assemble(positions, Curvature::Projected, moving);
+        let last = self.damping;
         while !self.system.factorise(self.damping) {
             self.damping *= 10.0;
             if !self.damping.is_finite() {
+                self.damping = last;
                 return None;
             }
         }
