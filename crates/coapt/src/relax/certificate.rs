@@ -11,7 +11,7 @@ use crate::model::Model;
 /// The facts that decide whether a closed shape may be believed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
-    /// Largest force left on a free vertex over the [reference force](super::load::reference_force_n) [1].
+    /// Largest force left on a free vertex over the reference force, `load::reference_force_n` [1].
     pub residual: f64,
     /// Whether a small push is answered by a return: the symmetric part of the tangent is positive definite, or,
     /// failing that, no eigenvalue of the whole tangent has a negative real part, but for rounding of the zeros that slack
