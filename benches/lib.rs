@@ -50,20 +50,30 @@ pub fn closed_sizes() -> Vec<u32> {
         .collect()
 }
 
-/// The parameters of the healthy valve with about so many faces.
-pub fn healthy_parameters(face_count: u32) -> ValveParameters {
+/// The parameters of a preset with about so many faces.
+pub fn preset_parameters(preset: Preset, face_count: u32) -> ValveParameters {
     ValveParameters {
         face_count_target: face_count,
-        ..ValveParameters::preset(Preset::Healthy)
+        ..ValveParameters::preset(preset)
     }
 }
 
-/// The healthy valve as a scene.
+/// A preset as a scene.
 ///
 /// # Panics
 /// If it cannot be generated.
-pub fn healthy_scene(face_count: u32) -> Scene {
-    generate(&healthy_parameters(face_count)).expect("the healthy valve can be generated")
+pub fn preset_scene(preset: Preset, face_count: u32) -> Scene {
+    generate(&preset_parameters(preset, face_count)).expect("a preset can be generated")
+}
+
+/// A preset, open.
+///
+/// # Panics
+/// If it cannot be built.
+pub fn preset_model(preset: Preset, face_count: u32) -> Model {
+    Model::build(&preset_scene(preset, face_count))
+        .expect("a preset can be built")
+        .model
 }
 
 /// The healthy valve, open.
@@ -71,9 +81,7 @@ pub fn healthy_scene(face_count: u32) -> Scene {
 /// # Panics
 /// If it cannot be built.
 pub fn healthy_model(face_count: u32) -> Model {
-    Model::build(&healthy_scene(face_count))
-        .expect("the healthy valve can be built")
-        .model
+    preset_model(Preset::Healthy, face_count)
 }
 
 /// Closes a valve from open.

@@ -5,9 +5,8 @@
 //! no closed valve: the open one against a valve of other size costs as much.
 
 use coapt::measure::{measure, passage_mm2, visible_distance};
-use coapt::mesh::parametric::{Preset, ValveParameters, generate};
-use coapt::model::Model;
-use coapt_benches::{PLANNING_SIZE, SIZES, close, closed_sizes, healthy_model, label};
+use coapt::mesh::parametric::Preset;
+use coapt_benches::{PLANNING_SIZE, SIZES, close, closed_sizes, healthy_model, label, preset_model};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::cell::LazyCell;
 
@@ -33,12 +32,7 @@ fn bench_passage(criterion: &mut Criterion) {
     group.sample_size(20);
     for preset in [Preset::Healthy, Preset::Flail] {
         let closed = LazyCell::new(|| {
-            let parameters = ValveParameters {
-                face_count_target: PLANNING_SIZE,
-                ..ValveParameters::preset(preset)
-            };
-            let scene = generate(&parameters).expect("a preset can be generated");
-            let model = Model::build(&scene).expect("a preset can be built").model;
+            let model = preset_model(preset, PLANNING_SIZE);
             let equilibrium = close(&model);
             (model, equilibrium)
         });

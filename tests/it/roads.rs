@@ -1,6 +1,6 @@
 //! Whether the closed shape depends on the road to it: a valve is closed from jittered starts, with long and short steps,
-//! with and without coarser meshes, under pressure that rises little by little, and by way of a narrower annulus or a ring and back. What is
-//! compared is the visible surface; below the line of closure hardly anything decides where tissue hangs.
+//! with and without coarser meshes, under pressure that rises little by little, and by way of a narrower annulus or a ring and
+//! back. What is compared is the visible surface; below the line of closure hardly anything decides where tissue hangs.
 
 use coapt::measure::visible_distance;
 use coapt::mesh::parametric::Preset;

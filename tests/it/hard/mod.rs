@@ -136,8 +136,8 @@ fn is_inside_out(model: &Model, end: &State) -> bool {
     model.contact.is_on() && !inside_out(&surface, &model.rest_mm, &end.positions_mm).is_empty()
 }
 
-/// Whether all that is told of a closure are numbers, nothing crosses and no mesh took more than was allowed, whatever its status: no case begins crossed that is
-/// not drawn apart or refused before.
+/// Whether all that is told of a closure are numbers, nothing crosses and no mesh took more iterations than were allowed, whatever its
+/// status: no case begins crossed that is not drawn apart or refused before.
 fn is_sane(end: &Equilibrium, iteration_limit: u32) -> bool {
     let finite = |vectors: &[Vec3]| vectors.iter().all(|v| v.iter().all(|x| x.is_finite()));
     let sound = |iteration: &Iteration| {
